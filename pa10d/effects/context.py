@@ -201,6 +201,11 @@ class Context:
         return {}
 
     @cached_property
+    def swings(self) -> dict[tuple[object, ...], object]:
+        """How links behind springs swing, as they have been worked out (``Swing.once``)."""
+        return {}
+
+    @cached_property
     def _kept(self) -> dict[str, tuple[Array, Array, Array]]:
         return {}
 

@@ -49,14 +49,25 @@ class Swing:
     equation: Three
 
     @classmethod
-    def of(cls, context: Context, springs: Sequence[Spring]) -> Swing | None:
+    def once(cls, context: Context, springs: Sequence[Spring]) -> Swing | None:
+        """``of`` these springs, in the order of their joints: worked out once for a context,
+        while these are asked for."""
+        there = tuple(sorted(springs, key=lambda s: s.joint))
+        if there not in context.swings:
+            context.swings.clear()  # of other springs nobody asks any more
+            context.swings[there] = cls.of(context, there)
+        found = context.swings[there]
+        return found if isinstance(found, cls) else None
+
+    @classmethod
+    def of(cls, context: Context, springs: Sequence[Spring], passes: int = PASSES) -> Swing | None:
         """With the context's rigid bodies. None: farther than any gear twists."""
         joints = [s.joint for s in springs]
         held, damped, rotors = np.array([(s.stiffness, s.damping, s.rotor) for s in springs]).T
         own = np.arange(len(joints))
         started = np.array([context.wound.get(j, (0.0, 0.0)) for j in joints])
         behind, lag = context, np.zeros((3, len(context.q), len(joints)))
-        for done in range(PASSES):
+        for done in range(passes):
             if done:
                 behind = _behind(context, joints, lag)
             load = np.column_stack([link_load(behind, s.joint, s.rotor) for s in springs])
@@ -83,6 +94,34 @@ class Swing:
                 return None
         there = _behind(context, joints, lag)
         return cls(lag, (there.q, there.dq, there.ddq), (slopes[0], slopes[1], slopes[2]), equation)
+
+
+def swung_freely(context: Context, springs: Sequence[Spring], shares: Sequence[float]) -> Array:
+    """(N, n, E, 2) by which the torque of all joints changes with how each of E springs' links
+    begins: per N·m that more is wound up in it, and per N·m/s that this grows by.
+
+    shares: of each spring's torque that the joints show. To first order about the swing where that
+    is known, else about the motors' motion.
+    """
+    there = tuple(sorted(springs, key=lambda s: s.joint))
+    swing = context.swings.get(there) or Swing.of(context, there, passes=1)
+    count, samples = len(there), len(context.q)
+    out = np.zeros((samples, context.robot.n, count, 2))
+    if not isinstance(swing, Swing):
+        return out
+    begins = np.zeros((count, count, 2))
+    begins[range(count), range(count), 0] = 1.0
+    rests, rates = begins.reshape(count, -1), np.roll(begins, 1, axis=2).reshape(count, -1)
+    still = np.zeros((samples, count, 2 * count))
+    moved = driven(still, rests, rates, swing.equation, context.dt)
+    of = dict(zip((s.joint for s in springs), shares, strict=True))
+    flat = out.reshape(samples, context.robot.n, -1)
+    for e, spring in enumerate(there):
+        for by, change in zip(swing.slopes, moved, strict=True):
+            flat -= of[spring.joint] * by[e][:, :, None] * change[:, e][:, None, :]
+        flat[:, spring.joint] += of[spring.joint] * spring.rotor * moved[2][:, e]
+    order = [there.index(spring) for spring in springs]
+    return out[:, :, order]
 
 
 def still_load(context: Context, joint: int) -> Array:

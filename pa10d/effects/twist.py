@@ -53,7 +53,7 @@ def twisted_torque(
         torque = -by_q[:, reach, None] * still[:, None, :]
         return torque[:, 0] if own else torque
     damping = _damping(context, joint, stiffness, zeta, rotor)
-    others = [Spring(j, k, _damping(context, j, k, z, r), r) for j, k, z, r in context.springs]
+    others = springs_of(context)
     if len(others) > 1 and not wide.any() and any(s.joint == joint for s in others):
         alone = Spring(joint, stiffness, damping, rotor)
         torque = _among(context, (alone, *(s for s in others if s.joint != joint)))[:, reach]
@@ -72,12 +72,17 @@ def twisted_torque(
     torque[:, 0 if own else joint] += rotor * twist[:, 2]
     if closely and not wide.any() and np.abs(twist[:, 0]).max() > SMALL:
         far = np.maximum.accumulate(np.abs(twist[:, 0, 0])) > SMALL
-        swing = Swing.of(context, (Spring(joint, stiffness, damping, rotor),))
+        swing = Swing.once(context, (Spring(joint, stiffness, damping, rotor),))
         if swing is not None:  # what comes later must not change what was
             whole = context.rigid_torque(*swing.motion) - context.load
             whole[:, joint] += rotor * swing.lag[2][:, 0]
             torque[far, :, 0] = whole[far][:, reach]
     return torque[:, 0] if own else torque
+
+
+def springs_of(context: Context) -> list[Spring]:
+    """The model's gears that give."""
+    return [Spring(j, k, _damping(context, j, k, z, r), r) for j, k, z, r in context.springs]
 
 
 def _damping(context: Context, joint: int, stiffness: float, zeta: float, rotor: float) -> float:
@@ -88,17 +93,18 @@ def _damping(context: Context, joint: int, stiffness: float, zeta: float, rotor:
 def _among(context: Context, springs: Sequence[Spring]) -> Array:
     """(N, n, 1) N·m of the first of several springs whose links swing together: what its own lag
     adds to first order, and its share of what all of them add beyond that."""
-    swing = Swing.of(context, springs)
+    swing = Swing.once(context, springs)
     if swing is None:
         return np.zeros((*context.q.shape, 1))
     parts = [
         -sum(by[e] * lag[:, e, None] for by, lag in zip(swing.slopes, swing.lag, strict=True))
         for e in range(len(springs))
     ]
+    first = sum(s.joint < springs[0].joint for s in springs)
     whole = context.rigid_torque(*swing.motion) - context.load
     beyond = (whole - sum(parts)) / len(springs)
-    torque = parts[0] + beyond
-    torque[:, springs[0].joint] += springs[0].rotor * swing.lag[2][:, 0]
+    torque = parts[first] + beyond
+    torque[:, springs[0].joint] += springs[0].rotor * swing.lag[2][:, first]
     return np.asarray(torque[:, :, None])
 
 
@@ -141,7 +147,7 @@ def mean_lag(load, by_q, by_dq, inertia, stiffness, damping, gaps, begins, rate,
     out = np.zeros((n, 3, cases))
     for k in range(n):
         steps = max(1, int(np.ceil(np.sqrt(stiffness / inertia[k]) * dt * SUBSTEPS)))
-        h = dt / steps
+        h = dt / steps if k else 0.0
         b = max(k - 1, 0)
         gripped = 0.5 * h * damping + 0.25 * h * h * stiffness
         for s in range(steps):

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from pa10d.effects import Context
 from pa10d.effects.rotor import typical_link
-from pa10d.effects.together import columns_once, torque_of
+from pa10d.effects.swing import swung_freely
+from pa10d.effects.twist import springs_of
 from pa10d.model import Term, TorqueModel
 from pa10d.regression.equation import RunEquation
 
@@ -25,6 +26,7 @@ Array = NDArray[np.float64]
 Wound = dict[int, tuple[float, float]]
 
 ROUNDS = 2  # a link that swings far does so beyond first order
+AS_IT_IS = 0.003  # of what is left over: a step that changes no more is not taken
 
 
 def seen_by(model: TorqueModel, run: RunEquation) -> Context:
@@ -37,7 +39,9 @@ def seen_by(model: TorqueModel, run: RunEquation) -> Context:
     seen = model.contextualise(run.context.with_wound(wound))
     for _ in range(ROUNDS):
         error = run.driven - run.filtered(model.sensed(seen))
-        steps = _steps(springs, seen, run, error)
+        steps, taken = _steps(springs, seen, run, error)
+        if taken < AS_IT_IS:
+            break
         wound = {
             j: (more + float(step[0]), rate + float(step[1]))
             for (j, (more, rate)), step in zip(wound.items(), steps, strict=True)
@@ -52,16 +56,19 @@ def winds(run: RunEquation, joint: int) -> float:
     return float(np.sqrt(np.mean(run.raw_tau[:, joint] ** 2)))
 
 
-def _steps(springs: Sequence[Term], seen: Context, run: RunEquation, error: Array) -> Array:
+def _steps(
+    springs: Sequence[Term], seen: Context, run: RunEquation, error: Array
+) -> tuple[Array, float]:
     """(springs, 2) N·m and N·m/s that take most of an error (M, n), each joint weighted by what it
-    has of that, and each no larger than is likely."""
-    sizes, columns = [], []
-    still = [torque_of(term, seen, columns_once(term, seen)) for term in springs]
+    has of that, and each no larger than is likely; and how much they take, RMS in parts of it."""
+    sizes = []
     for term in springs:
         j = term.joints[0]
         omega = np.sqrt(term.shape["K"] / typical_link(seen, j, term.shape.get("rotor", 0.0)))
         sizes += [winds(run, j), winds(run, j) * float(omega)]
-        columns += [_freely(springs, j, seen, still, run, one, sizes[-2:][one]) for one in (0, 1)]
+    shares = [float(term.coefficients[0]) for term in springs]
+    slopes = swung_freely(seen, springs_of(seen), shares).reshape(*seen.q.shape, -1)
+    columns = [size * run.filtered(slopes[:, :, k]) for k, size in enumerate(sizes)]
     keep = run.keep
     sigma = np.sqrt(np.sum(np.where(keep, error, 0.0) ** 2, axis=0) / np.maximum(keep.sum(0), 1))
     weight = np.where(keep & (sigma > 0.0), 1.0 / np.maximum(sigma, 1e-300), 0.0)
@@ -69,25 +76,5 @@ def _steps(springs: Sequence[Term], seen: Context, run: RunEquation, error: Arra
     b = (error * weight).ravel()
     before = np.array([x for term in springs for x in seen.wound[term.joints[0]]]) / sizes
     found = np.linalg.solve(a.T @ a + np.eye(len(sizes)), a.T @ b - before)
-    return np.asarray((found * sizes).reshape(-1, 2))
-
-
-def _freely(
-    springs: Sequence[Term],
-    joint: int,
-    seen: Context,
-    still: Sequence[Array],
-    run: RunEquation,
-    which: int,
-    size: float,
-) -> Array:
-    """(M, n) N·m that this joint's link adds to what all of them do (``still``) when it begins by
-    ``size`` farther (0) or faster (1)."""
-    begun = list(seen.wound[joint])
-    begun[which] += size
-    other = seen.with_wound({**seen.wound, joint: (begun[0], begun[1])})
-    return np.asarray(
-        run.filtered(
-            np.sum([t.torque(other) - s for t, s in zip(springs, still, strict=True)], axis=0)
-        )
-    )
+    taken = float(np.sqrt(np.mean((a @ found) ** 2)))
+    return np.asarray((found * sizes).reshape(-1, 2)), taken

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy
+from effect_motions import arm_context
 
-from pa10d.effects.swing import driven
+from pa10d.effects.swing import driven, swung_freely
+from pa10d.effects.twist import springs_of, twisted_torque
 
 DT, SAMPLES = 0.002, 1000
 MASS = np.array([[50.0, 12.0], [12.0, 8.0]])  # of a palletiser's second and third link, kg·m²
@@ -48,3 +52,29 @@ def test_springs_that_do_not_touch_each_other_swing_as_each_alone():
         alone = driven(load[:, e : e + 1], rest[e : e + 1], rates[e : e + 1], own, DT)
         error = np.abs(both[:, :, e] - alone[:, :, 0])
         assert np.all(error < 0.02 * np.abs(alone[:, :, 0]).max(axis=1, keepdims=True))
+
+
+@pytest.mark.parametrize("joints", [(1,), (3, 1)])
+def test_what_a_beginning_changes_is_the_difference_of_two_swings(joints):
+    """Each spring's link begins a little farther, or faster: the exact torque changes by what the
+    homogeneous solutions foretell."""
+    rotors, stiffness = {1: 0.3, 3: 0.2}, {1: 30e3, 3: 6e3}
+    springs = tuple((j, stiffness[j], 0.03, rotors[j]) for j in joints)
+    context = replace(arm_context(seconds=3.0), springs=springs)
+
+    def torque(wound):
+        seen = context.with_wound(wound)
+        return sum(
+            twisted_torque(seen, j, k, zeta, rotor=rotor, closely=True)[:, :, 0]
+            for j, k, zeta, rotor in springs
+        )
+
+    still = {j: (0.0, 0.0) for j in joints}
+    found = swung_freely(context.with_wound(still), springs_of(context), [1.0] * len(joints))
+    for e, j in enumerate(joints):
+        for one, size in ((0, 5.0), (1, 300.0)):
+            step = [0.0, 0.0]
+            step[one] = size
+            true = torque({**still, j: (step[0], step[1])}) - torque(still)
+            error = np.abs(size * found[:, :, e, one] - true).max()
+            assert error < 0.03 * np.abs(true).max()
