@@ -45,7 +45,8 @@ class Context:
                      known, and t means nothing
     quieting         takes from a measured acceleration what is noise; None: none is known
     wound            joint -> N·m by which more is wound up in its spring than its link weighs, when
-                     the motion begins, and N·m/s by which that grows; absent: the link hangs still
+                     the motion begins, and N·m/s by which its torque grows then; absent: the link
+                     hangs still
     springs          of the model's gears that give, whose links swing together: joint, K N·m/rad,
                      damping ratio, rotor kg·m²
     """

@@ -13,6 +13,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.dynamics import sensitivities
 from pa10d.effects.context import Context
 from pa10d.effects.rotor import LIGHTEST, link_load
 
@@ -21,7 +22,11 @@ Three = tuple[Array, Array, Array]
 
 SOFTEST = 0.02  # of a spring that gravity helps to bend: beyond, the link would fall over
 SUBSTEPS = 6.0  # per radian of the spring's own oscillation
-PASSES = 2  # what is left is the square of the square of a lag
+PASSES = 6  # at most
+SWUNG = (
+    0.01  # of the farthest lag: a pass that moves no link by more was the last, for what is left
+)
+# then is the square of that
 MOST_STEPS = 1000  # of a sample: bodies that no arm has may have any mode
 RUNS_AWAY = 1e100
 FURTHEST = 1.0  # rad: no gear twists further
@@ -41,12 +46,14 @@ class Spring:
 class Swing:
     """What links behind E springs do together. lag (3, N, E): δ, δ̇, δ̈; motion: q, q̇, q̈ with the
     links' in the motors' place, (N, n) each; slopes: of all joints' torque by these, (E, N, n)
-    each; equation: mass, drag, stiffness (N, E, E)."""
+    each; equation: mass, drag, stiffness (N, E, E); grip (E, E) N·m/rad: what holds the links where
+    they begin, ``still_grip``."""
 
     lag: Array
     motion: Three
     slopes: Three
     equation: Three
+    grip: Array
 
     @classmethod
     def once(cls, context: Context, springs: Sequence[Spring]) -> Swing | None:
@@ -67,9 +74,7 @@ class Swing:
         own = np.arange(len(joints))
         started = np.array([context.wound.get(j, (0.0, 0.0)) for j in joints])
         behind, lag = context, np.zeros((3, len(context.q), len(joints)))
-        for done in range(passes):
-            if done:
-                behind = _behind(context, joints, lag)
+        for _ in range(passes):
             load = np.column_stack([link_load(behind, s.joint, s.rotor) for s in springs])
             by = [behind.sensitivity(j) for j in joints]
             slopes = tuple(np.stack([one[order] for one in by]) for order in range(3))
@@ -80,20 +85,26 @@ class Swing:
             push = load + sum(
                 np.einsum("tke,te->tk", x, y) for x, y in zip((soft, drag, mass), lag, strict=True)
             )
-            more = soft[0] @ lag[0, 0] + started[:, 0]
-            rest = np.array([still_load(behind, j)[0] for j in joints]) + more
+            grip = still_grip(behind, joints, held)
+            rest = still_load(behind)[joints] + (grip - np.diag(held)) @ lag[0, 0] + started[:, 0]
             stiff = soft
             stiff[:, own, own] = np.maximum(soft[:, own, own] + held, SOFTEST * held)
             drag[:, own, own] += damped
             equation = mass, drag, stiff
-            if not all(np.isfinite(x).all() for x in (push, rest, *equation)):
+            if not all(np.isfinite(x).all() for x in (push, rest, grip, *equation)):
                 return None
-            lag = driven(push[:, :, None], rest[:, None], started[:, 1:], equation, context.dt)
+            before, where = lag[0], np.linalg.solve(grip, rest)
+            fast = started[:, 1] / held
+            lag = driven(push[:, :, None], where[:, None], fast[:, None], equation, context.dt)
             lag = lag[:, :, :, 0]
-            if not np.all(np.abs(lag[0]) < FURTHEST):
+            farthest = np.abs(lag[0]).max()
+            if not farthest < FURTHEST:
                 return None
-        there = _behind(context, joints, lag)
-        return cls(lag, (there.q, there.dq, there.ddq), (slopes[0], slopes[1], slopes[2]), equation)
+            behind = _behind(context, joints, lag)
+            if np.abs(lag[0] - before).max() < SWUNG * farthest:
+                break
+        motion = behind.q, behind.dq, behind.ddq
+        return cls(lag, motion, (slopes[0], slopes[1], slopes[2]), equation, grip)
 
 
 def swung_freely(context: Context, springs: Sequence[Spring], shares: Sequence[float]) -> Array:
@@ -109,11 +120,11 @@ def swung_freely(context: Context, springs: Sequence[Spring], shares: Sequence[f
     out = np.zeros((samples, context.robot.n, count, 2))
     if not isinstance(swing, Swing):
         return out
-    begins = np.zeros((count, count, 2))
-    begins[range(count), range(count), 0] = 1.0
-    rests, rates = begins.reshape(count, -1), np.roll(begins, 1, axis=2).reshape(count, -1)
+    where, fast = np.zeros((2, count, 2 * count))
+    where[:, 0::2] = np.linalg.solve(swing.grip, np.eye(count))
+    fast[range(count), range(1, 2 * count, 2)] = [1.0 / spring.stiffness for spring in there]
     still = np.zeros((samples, count, 2 * count))
-    moved = driven(still, rests, rates, swing.equation, context.dt)
+    moved = driven(still, where, fast, swing.equation, context.dt)
     of = dict(zip((s.joint for s in springs), shares, strict=True))
     flat = out.reshape(samples, context.robot.n, -1)
     for e, spring in enumerate(there):
@@ -124,10 +135,20 @@ def swung_freely(context: Context, springs: Sequence[Spring], shares: Sequence[f
     return out[:, :, order]
 
 
-def still_load(context: Context, joint: int) -> Array:
-    """(1,) N·m that the joint bears where it hangs in its first pose."""
+def still_load(context: Context) -> Array:
+    """(n,) N·m that the joints bear where the arm hangs in its first pose."""
     rest = np.zeros_like(context.q[:1])
-    return np.asarray(context.rigid_torque(context.q[:1], rest, rest)[:, joint])
+    return np.asarray(context.rigid_torque(context.q[:1], rest, rest)[0])
+
+
+def still_grip(context: Context, joints: Sequence[int], stiffness: Array) -> Array:
+    """(E, E) N·m/rad that hold links behind springs of these stiffnesses (E,) where they hang in
+    the first pose: the springs', and what gravity adds."""
+    rest, own = np.zeros_like(context.q[:1]), np.arange(len(joints))
+    soft = sensitivities(context.robot, context.rigid, context.q[:1], rest, rest)[0]
+    grip = soft[joints, 0][:, joints].T.copy()
+    grip[own, own] = np.maximum(grip[own, own] + stiffness, SOFTEST * stiffness)
+    return grip
 
 
 def _behind(context: Context, joints: Sequence[int], lag: Array) -> Context:
@@ -139,23 +160,23 @@ def _behind(context: Context, joints: Sequence[int], lag: Array) -> Context:
     return replace(context, q=q, dq=dq, ddq=ddq)
 
 
-def driven(load: Array, rest: Array, rates: Array, equation: Three, dt: float) -> Array:
-    """δ, δ̇, δ̈ (3, N, E, S) of mass·δ̈ + drag·δ̇ + stiff·δ = load (N, E, S), from where the loads rest
-    (E, S) wind it and from what rates (E, S) they grow by; equation (N, E, E) each."""
+def driven(load: Array, where: Array, fast: Array, equation: Three, dt: float) -> Array:
+    """δ, δ̇, δ̈ (3, N, E, S) of mass·δ̈ + drag·δ̇ + stiff·δ = load (N, E, S), from ``where`` the links
+    are in the first sample and how ``fast`` (E, S); equation (N, E, E) each."""
     if load.shape[1] > 1:
-        return np.asarray(driven_lags(load, rest, rates, *equation, dt))
+        begins = np.ascontiguousarray(where), np.ascontiguousarray(fast)
+        return np.asarray(driven_lags(load, *begins, *equation, dt))
     alone = (np.ascontiguousarray(x[:, 0, 0]) for x in equation)
     load = np.ascontiguousarray(load[:, 0])
-    return np.asarray(driven_lag(load, rest[0], rates[0], *alone, dt)[:, :, None])
+    return np.asarray(driven_lag(load, where[0], fast[0], *alone, dt)[:, :, None])
 
 
 @numba.njit(cache=True, nogil=True)
-def driven_lags(load, rest, rates, mass, drag, stiff, dt):
+def driven_lags(load, where, fast, mass, drag, stiff, dt):
     """``driven`` of several springs, by the rule of ``driven_lag``."""
     n, springs, lanes = load.shape
     out = np.zeros((3, n, springs, lanes))
-    first = np.ascontiguousarray(stiff[0])
-    x, v = np.linalg.solve(first, rest), np.linalg.solve(first, rates)
+    x, v = where.copy(), fast.copy()
     for k in range(n):
         b = max(k - 1, 0)
         heaviest = np.ascontiguousarray(mass[k])
@@ -182,13 +203,13 @@ def driven_lags(load, rest, rates, mass, drag, stiff, dt):
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"nsz", "contract", "arcp"})
-def driven_lag(load, rest, rates, mass, drag, stiff, dt):
-    """δ, δ̇, δ̈ (3, N, S) of mass·δ̈ + drag·δ̇ + stiff·δ = load (N, S), from where the loads rest (S,)
-    wind it and from what rates (S,) they grow by; all others (N,). Implicit midpoint rule, as
-    ``mean_lag``: a measured acceleration is too noisy to say where a soft spring begins."""
+def driven_lag(load, where, fast, mass, drag, stiff, dt):
+    """δ, δ̇, δ̈ (3, N, S) of mass·δ̈ + drag·δ̇ + stiff·δ = load (N, S), from ``where`` the link is in
+    the first sample and how ``fast`` (S,); all others (N,). Implicit midpoint rule, as
+    ``mean_lag``."""
     n, lanes = load.shape
     out = np.zeros((3, n, lanes))
-    x, v = rest / stiff[0], rates / stiff[0]
+    x, v = where.copy(), fast.copy()
     for k in range(n):
         b = max(k - 1, 0)
         steps = max(1, int(np.ceil(np.sqrt(stiff[k] / mass[k]) * dt * SUBSTEPS)))

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from pa10d.effects.context import Context
 from pa10d.effects.rotor import link_inertia, link_load, typical_link
-from pa10d.effects.swing import SOFTEST, SUBSTEPS, Spring, Swing, still_load
+from pa10d.effects.swing import SOFTEST, SUBSTEPS, Spring, Swing, still_grip, still_load
 
 Array = NDArray[np.float64]
 
@@ -63,8 +63,8 @@ def twisted_torque(
     begins = load[0] / stiffness + np.where(load[0] >= 0.0, 1.0, -1.0) * wide, 0.0
     if joint in context.wound and not wide.any():
         more, rate = context.wound[joint]
-        grip = max(stiffness + soft[0], SOFTEST * stiffness)
-        begins = (still_load(context, joint)[0] + more) / grip + wide, rate / grip
+        grip = float(still_grip(context, [joint], np.array([stiffness]))[0, 0])
+        begins = (still_load(context)[joint] + more) / grip + wide, rate / stiffness
     twist = mean_lag(load, soft, drag, inertia, stiffness, damping, wide, *begins, context.dt)
     # far from the model's validity the integration may run away: no torque is better than inf
     twist[:, :, ~(np.abs(twist[:, 0]) <= 1.0).all(axis=0)] = 0.0

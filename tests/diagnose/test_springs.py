@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -45,13 +46,42 @@ def state() -> SearchState:
     return state_of({name: a_run(name, seed) for seed, name in enumerate(NAMES)})
 
 
-def test_bodies_and_spring_are_fitted_at_once(state):
-    """From a spring that is off by a third and bodies that are off by a fifth."""
+@pytest.mark.parametrize(("stiffer", "damping"), [(1.3, 0.05), (1.04, 0.09), (2.3, 0.8)])
+def test_bodies_and_spring_are_fitted_at_once(state, stiffer, damping):
+    """From another spring and from bodies that are off by a fifth, to the noise."""
     beta, true = state.fit.beta.copy(), state.model.base.of(robot().parameters)
     beta[: len(true)] = true * np.where(np.arange(len(true)) % 2, 1.2, 0.8)
-    found = Flexible(state, [1]).fit(beta, (JointSpring(1, 1.3 * STIFFNESS, 0.05, 0.0),), 20)
-    assert found.springs[0].stiffness == pytest.approx(STIFFNESS, rel=0.1)
-    assert found.left < np.log(0.6 * state.fit.rms()).sum()
+    start = JointSpring(1, stiffer * STIFFNESS, damping, 0.0)
+    found = Flexible(state, [1]).fit(beta, (start,), 20)
+    assert found.springs[0].stiffness == pytest.approx(STIFFNESS, rel=0.003)
+    assert found.left < np.log([1.03 * NOISE, 1.03 * NOISE]).sum()
+
+
+def test_how_the_torque_changes_is_its_difference(state):
+    """With the spring, and with how its link begins, which winds by half a radian."""
+    flexible, step = Flexible(state, [1]), 1e-4
+    spring = JointSpring(1, STIFFNESS, 0.1, 0.0, (0.5, 2.0) * 2)
+    beta, true = state.fit.beta.copy(), state.model.base.of(robot().parameters)
+    beta[: len(true)] = true
+    slopes = flexible._slopes((spring,), flexible._swings(beta, (spring,)))
+
+    def torque(**moved):
+        other = replace(spring, **moved)
+        return flexible._torque(beta, (other,), flexible._swings(beta, (other,)))
+
+    ends = [np.exp(step), np.exp(-step)]
+    wound = np.array(spring.wound)
+    tried = {
+        0: [torque(stiffness=STIFFNESS * e) for e in ends],
+        1: [torque(damping=0.1 * e) for e in ends],
+        3: [torque(wound=tuple(wound + x * np.eye(4)[0])) for x in (step, -step)],
+        4: [torque(wound=tuple(wound + x * np.eye(4)[1])) for x in (step, -step)],
+    }
+    for column, (more, less) in tried.items():
+        for j, found in slopes.items():
+            difference = (more[j] - less[j]) / (2 * step)
+            error = np.linalg.norm(found[:, flexible.size + column] - difference)
+            assert error < 0.02 * np.linalg.norm(difference)
 
 
 @pytest.mark.long

@@ -21,7 +21,7 @@ from pa10d.diagnose.constants import (
     ROTOR_STEP,
     SPRING_STEP,
     SPRING_WORTH,
-    STEP_SHARES,
+    STEP_DAMPINGS,
     SWING_SAMPLES,
 )
 from pa10d.diagnose.regression.side import Side
@@ -80,6 +80,22 @@ class _Run:
         return filtered(raw, self.lowpass, self.going, self.left)
 
 
+@dataclass(frozen=True)
+class _Steps:
+    """Gauss and Newton's step and shorter ones, by the singular values of the equation of
+    normalised columns: Levenberg's damping first holds what the data hardly show."""
+
+    right: Array
+    values: Array
+    seen: Array
+    scale: Array
+
+    def of(self, damping: float) -> Array:
+        """(p,) damping: as a share of a column's length."""
+        gain = self.values / (self.values**2 + damping**2)
+        return np.asarray(self.right @ (gain * self.seen) / self.scale)
+
+
 class Flexible:
     """One side of a model with springs at some joints; the springs' own terms, where it has any,
     are out.
@@ -112,19 +128,19 @@ class Flexible:
         found = self._torque(beta, springs, swings)
         inertia = typical_inertia(self.robot, self._rigid(beta))[list(self.joints)]
         sizes = self._sizes(inertia, springs)
-        left = self._left(found, springs, sizes)
+        left, tried = self._left(found, springs, sizes), 0
         for _ in range(rounds):
-            step = self._step(beta, springs, swings, found, sizes)
+            steps = self._steps(beta, springs, swings, found, sizes)
             better = None
-            for share in STEP_SHARES:
-                moved = self._moved(springs, share, step, inertia)
-                trial = beta + share * step[: self.size], moved
+            for number in range(max(tried - 1, 0), len(STEP_DAMPINGS)):
+                step = steps.of(STEP_DAMPINGS[number])
+                trial = beta + step[: self.size], self._moved(springs, step, inertia)
                 followed = self._swings(*trial)
                 if followed is None:
                     continue
                 torque = self._torque(*trial, followed)
                 if self._left(torque, trial[1], sizes) < left:
-                    better = (*trial, followed, torque)
+                    better, tried = (*trial, followed, torque), number
                     break
             if better is None:
                 break
@@ -148,10 +164,10 @@ class Flexible:
         unlikely = float(np.sum((_wound(springs) / sizes) ** 2))
         return _left(self.side, torque) + 0.5 * unlikely / self.rows
 
-    def _step(
+    def _steps(
         self, beta: Array, springs: Springs, swings: Swings, torque: PerJoint, sizes: Array
-    ) -> Array:
-        """(p + shapes,) Gauss and Newton's: coefficients, then what ``_moved`` takes."""
+    ) -> _Steps:
+        """Of (p + shapes,): coefficients, then what ``_moved`` takes."""
         slopes = self._slopes(springs, swings)
         sigma = {j: max(rms(self.side.tau[j] - torque[j]), 1e-12) for j in torque}
         rows = np.concatenate([slopes[j] / sigma[j] for j in torque])
@@ -168,9 +184,9 @@ class Flexible:
         left, values, right = np.linalg.svd(triangle[:width, :width])
         kept = strong(values)
         seen = left[:, kept].T @ triangle[:width, width]
-        return np.asarray(right[kept].T @ (seen / values[kept]) / scale)
+        return _Steps(right[kept].T, values[kept], seen, scale)
 
-    def _moved(self, springs: Springs, share: float, step: Array, inertia: Array) -> Springs:
+    def _moved(self, springs: Springs, step: Array, inertia: Array) -> Springs:
         """No farther than the equations are nearly linear: a rotor that takes the whole inertia in
         one step leaves a link without a mode, and no way back."""
         shapes = step[self.size : self.size + 3 * len(springs)].reshape(-1, 3)
@@ -178,7 +194,7 @@ class Flexible:
         out = []
         for spring, own, more, whole in zip(springs, shapes, wound, inertia, strict=True):
             longest = max(abs(own[0]), abs(own[1]), SPRING_STEP)
-            stiffer, damped = (share * SPRING_STEP / longest * float(x) for x in own[:2])
+            stiffer, damped = (SPRING_STEP / longest * float(x) for x in own[:2])
             farthest = ROTOR_STEP * _link(float(whole), spring.rotor)
             rotor = float(np.clip(own[2], -farthest, farthest))
             out.append(
@@ -186,10 +202,8 @@ class Flexible:
                     spring,
                     stiffness=spring.stiffness * float(np.exp(stiffer)),
                     damping=spring.damping * float(np.exp(damped)),
-                    rotor=max(0.0, spring.rotor + share * rotor),
-                    wound=tuple(
-                        w + share * float(m) for w, m in zip(spring.wound, more, strict=True)
-                    ),
+                    rotor=max(0.0, spring.rotor + rotor),
+                    wound=tuple(w + float(m) for w, m in zip(spring.wound, more, strict=True)),
                 )
             )
         return tuple(out)
@@ -250,7 +264,7 @@ class Flexible:
         rest = np.zeros((1, n, b))
         still = np.zeros((1, n))
         regressor(self.robot, swing.motion[0][:1], still, still, self.kept, out=rest)
-        rests, rates = np.zeros((2, count, drives.shape[2]))
+        rests, fast = np.zeros((2, count, drives.shape[2]))
         for e, spring in enumerate(springs):
             j, own, begins = spring.joint, b + 3 * e, b + 3 * count + 2 * e
             drives[:, e, :b] = columns[:, j]
@@ -260,9 +274,10 @@ class Flexible:
                 drives[:, e, own + 2] = -swing.motion[2][:, j]
             rests[e, :b] = rest[0, j]
             rests[e, own] = drives[0, e, own]
-            rates[e, own] = -spring.begun(number)[1]
-            rests[e, begins] = rates[e, begins + 1] = 1.0
-        moved = driven(drives, rests, rates, swing.equation, self.runs[number].context.dt)
+            fast[e, own] = -spring.begun(number)[1] / spring.stiffness
+            rests[e, begins], fast[e, begins + 1] = 1.0, 1.0 / spring.stiffness
+        where = np.asarray(np.linalg.solve(swing.grip, rests))
+        moved = driven(drives, where, fast, swing.equation, self.runs[number].context.dt)
         out = np.zeros((samples, n, drives.shape[2]))
         out[:, :, :b] = columns
         for e, spring in enumerate(springs):

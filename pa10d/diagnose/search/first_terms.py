@@ -10,7 +10,8 @@ import numpy as np
 from pa10d.diagnose.constants import AS_BEFORE, HOME_ROUNDS
 from pa10d.diagnose.regression.partial import partials
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.diagnose.search.refitting import look_anew
+from pa10d.diagnose.search.bristles import what_is_left
+from pa10d.diagnose.search.refitting import look_anew, with_springs_followed
 from pa10d.model import Term
 
 
@@ -27,18 +28,24 @@ def with_first(state: SearchState, size: int, given: Sequence[Term]) -> SearchSt
                 part.replace_term(index, as_it_came)
                 part.refit()
     if any(term.effect.uses_model for term in part.terms):
-        _with_loads_of_its_own(part)
+        return _with_loads_of_its_own(part)
     return part
 
 
-def _with_loads_of_its_own(part: SearchState) -> None:
-    """Not those of all findings together, with which the smaller model does not go on."""
-    left = part.fit.rms()
+def _with_loads_of_its_own(part: SearchState) -> SearchState:
+    """Not those of all findings together, with which the smaller model does not go on. The best of
+    some rounds, springs refined: loads that a spring throws about may lead to ever worse ones, and
+    what that loses is not what a later finding brings."""
+    left, begun = part.fit.rms(), part.loads
+    best, least = part.copy(), what_is_left(part)
     for _ in range(HOME_ROUNDS):
         look_anew(part)
         before, left = left, part.fit.rms()
+        if what_is_left(part) < least:
+            best, least = part.copy(), what_is_left(part)
         if np.all(np.abs(left - before) <= AS_BEFORE * before):
-            return
+            break
+    return with_springs_followed(best, least, begun)
 
 
 def _suits(part: SearchState, index: int, other: Term) -> bool:

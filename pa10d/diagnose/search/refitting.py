@@ -52,7 +52,7 @@ def settled(state: SearchState, fixed: int, rounds: int = 2) -> SearchState:
         if number >= rounds and idle > drawn:
             break
     best, least = carried_wholly(best, least, fixed)
-    return _with_springs_followed(best, least, begun)
+    return with_springs_followed(best, least, begun)
 
 
 def look_anew(state: SearchState) -> None:
@@ -75,7 +75,7 @@ def look_anew(state: SearchState) -> None:
             return
 
 
-def _with_springs_followed(best: SearchState, least: float, begun: Array | None) -> SearchState:
+def with_springs_followed(best: SearchState, least: float, begun: Array | None) -> SearchState:
     """The same with bodies and springs fitted at once, where that leaves less."""
     if best.frozen or not any(term.effect.series_spring for term in best.terms):
         return best
