@@ -47,7 +47,11 @@ from pa10d.diagnose.search.simpler import simpler_inside
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.search.whole import fitted_to_all
-from pa10d.diagnose.search.with_numbers import needed_springs, only_with_numbers
+from pa10d.diagnose.search.with_numbers import (
+    needed_beside_springs,
+    needed_springs,
+    only_with_numbers,
+)
 from pa10d.diagnose.unknown.at_most import most_noise
 from pa10d.diagnose.unknown.between_runs import Apart, contradiction, needless, unlike_fitted
 from pa10d.diagnose.unknown.beyond import beyond
@@ -137,6 +141,7 @@ def diagnose(
         search = held_firmly(search, model, as_given)
     if not frozen:
         needed_springs(search, model, as_given)
+        needed_beside_springs(search)
     if only is None:
         search.contest()
     whole = only is None and not frozen

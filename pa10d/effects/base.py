@@ -373,6 +373,11 @@ class Effect(ABC):
             out[s.name] = Value(value, error, s.unit, determined=s.determined(value, error))
         return out
 
+    def beside_link(self, values: dict[str, Value], inertia: float) -> dict[str, Value]:
+        """The same, and what follows from them and from the inertia that the joint moves, kg·m² of
+        rotor and link."""
+        return values
+
 
 def fitted(value: float, std_error: float, unit: str) -> Value:
     """Nothing, known for sure, is what a fit leaves of a direction that the data do not show."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -17,7 +17,8 @@ from pa10d.measurement.motion import Quieting
 
 Array = NDArray[np.float64]
 
-KEPT = ("load", "quiet_ddq", "drowned", "quiet_load", "typical_inertia", "drawn", "_kept")
+OF_MOTION = ("load", "quiet_ddq", "drowned", "quiet_load", "typical_inertia", "_kept")
+OF_SWING = ("drawn", "swings")  # of how links swing as the motion begins, too
 TURNS, SLIDES = 0.01, 0.001  # rad/s, m/s
 SHARPEST = 5e-4  # rad/s: of a sign without noise, for which a reversal still takes some samples
 
@@ -154,12 +155,12 @@ class Context:
     def handed_to(self, other: Context) -> Context:
         """Another context of the same motion and the same bodies, with what follows from these
         alone: it is not computed again."""
-        return self._with(other, but="drawn")
+        return self._with(other, OF_MOTION)
 
-    def _with(self, other: Context, but: str = "") -> Context:
+    def _with(self, other: Context, names: Sequence[str] = OF_MOTION + OF_SWING) -> Context:
         """What follows from motion and bodies alone is not computed again."""
-        for name in KEPT:
-            if name in self.__dict__ and name != but:
+        for name in names:
+            if name in self.__dict__:
                 other.__dict__[name] = self.__dict__[name]
         return other
 

@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 Three = tuple[Array, Array, Array]
 
 SOFTEST = 0.02  # of a spring that gravity helps to bend: beyond, the link would fall over
+DAMPED = 0.005, 0.7  # damping ratios that a gear may have
 SUBSTEPS = 6.0  # per radian of the spring's own oscillation
 PASSES = 6  # at most
 SWUNG = (

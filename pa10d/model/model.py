@@ -177,8 +177,10 @@ class TorqueModel:
         once = not (kind.repeatable or kind.one_of_each)
         # a change of what is there already, or of two that share what each may have
         less = others[0] < index if once else bool(kind.one_of_each) and len(others) > 1
-        moved = self._moved(term.joints[0]) if "rotor" in term.shape else np.inf
-        return as_told(self.robot, term, as_estimates(term, found, less, moved))
+        sprung = kind.series_spring or "rotor" in term.shape
+        moved = self._moved(term.joints[0]) if sprung else np.inf
+        told = kind.beside_link(as_estimates(term, found, less, moved), moved)
+        return as_told(self.robot, term, told)
 
     def _moved(self, joint: int) -> float:
         """kg·m² (kg): the inertia that a joint moves, its rotor included."""

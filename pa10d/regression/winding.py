@@ -25,7 +25,7 @@ from pa10d.regression.equation import RunEquation
 Array = NDArray[np.float64]
 Wound = dict[int, tuple[float, float]]
 
-ROUNDS = 2  # a link that swings far does so beyond first order
+ROUNDS = 4  # a link that swings far does so beyond first order
 AS_IT_IS = 0.003  # of what is left over: a step that changes no more is not taken
 
 

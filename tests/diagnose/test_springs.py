@@ -14,26 +14,33 @@ from two_links import COULOMB, ROTOR, V0, VISCOUS, motion, robot, state_of
 from pa10d.diagnose.regression.flexible import Flexible, JointSpring
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import suspects
+from pa10d.diagnose.search.springs import _with_spring
 from pa10d.diagnose.search.steps import Search
+from pa10d.diagnose.search.with_numbers import needed_beside_springs
 from pa10d.dynamics import inverse_dynamics
+from pa10d.effects import effect
 from pa10d.effects.base import smooth_sign
 from pa10d.measurement.recording import Recording
+from pa10d.model import Term
 
 STIFFNESS = 9.0  # N·m/rad at the second joint: its link swings at some 1.8 Hz, moved at up to 0.9
+DAMPING = 0.05  # N·m·s/rad
 NOISE = 0.02
 NAMES = ("fit_a", "fit_b", "valid_a", "valid_b")
 
 
 def a_run(name: str, seed: int) -> Recording:
-    """The links' motion is drawn; the second motor is ahead of its link by load over stiffness."""
+    """The links' motion is drawn; the second motor is ahead of its link by what winds its spring,
+    K·δ + C·δ̇ = load: load over stiffness, less C/K times its rate, and so on."""
     t, q, dq, ddq = motion(seed)
     load = inverse_dynamics(robot(), robot().parameters, q, dq, ddq)
     rates = [load[:, 1]]
-    for _ in range(2):
+    for _ in range(5):
         rates.append(np.gradient(rates[-1], t[1] - t[0]))
     motor = [x.copy() for x in (q, dq, ddq)]
-    for x, rate in zip(motor, rates, strict=True):
-        x[:, 1] += rate / STIFFNESS
+    for order, x in enumerate(motor):
+        for later in range(4):
+            x[:, 1] += (-DAMPING / STIFFNESS) ** later * rates[order + later] / STIFFNESS
     sign = np.column_stack([smooth_sign(v, V0) for v in motor[1].T])
     tau = load + ROTOR * motor[2] + COULOMB * sign + VISCOUS * motor[1]
     noise = NOISE * np.random.default_rng(seed).standard_normal(tau.shape)
@@ -54,6 +61,7 @@ def test_bodies_and_spring_are_fitted_at_once(state, stiffer, damping):
     start = JointSpring(1, stiffer * STIFFNESS, damping, 0.0)
     found = Flexible(state, [1]).fit(beta, (start,), 20)
     assert found.springs[0].stiffness == pytest.approx(STIFFNESS, rel=0.003)
+    assert found.springs[0].damping == pytest.approx(DAMPING, rel=0.05)
     assert found.left < np.log([1.03 * NOISE, 1.03 * NOISE]).sum()
 
 
@@ -82,6 +90,19 @@ def test_how_the_torque_changes_is_its_difference(state):
             difference = (more[j] - less[j]) / (2 * step)
             error = np.linalg.norm(found[:, flexible.size + column] - difference)
             assert error < 0.02 * np.linalg.norm(difference)
+
+
+def test_what_a_spring_left_before_it_was_refined_is_not_named_beside_it(state):
+    """Stribeck friction of 0.01 N·m was, which "the model without it lacks": 6.2 N·m."""
+    spring = JointSpring(1, 1.1 * STIFFNESS, 0.05, 0.0)
+    beta, true = state.fit.beta.copy(), state.model.base.of(robot().parameters)
+    beta[: len(true)] = true
+    _, found = _with_spring(state, effect("joint_elasticity"), [(beta, spring)])
+    found.push(Term("stribeck", (1,), np.zeros(1), {"vs": 0.1, "delta": 2.0}))
+    found.refit()
+    search = Search(found, suspects(False, 2), len(state.terms))
+    needed_beside_springs(search)
+    assert [t.label for t in search.state.terms[search.fixed :]] == ["joint_elasticity J2"]
 
 
 @pytest.mark.long

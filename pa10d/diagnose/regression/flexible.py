@@ -29,7 +29,7 @@ from pa10d.diagnose.regression.state import SearchState
 from pa10d.dynamics import Robot, inverse_dynamics, regressor, typical_inertia
 from pa10d.effects import Context
 from pa10d.effects.rotor import LIGHTEST
-from pa10d.effects.swing import Spring, Swing, driven
+from pa10d.effects.swing import DAMPED, Spring, Swing, driven
 from pa10d.measurement.signals import Lowpass
 from pa10d.regression.equation import RunEquation
 from pa10d.regression.per_joint import PerJoint, assembled, rms
@@ -195,13 +195,18 @@ class Flexible:
         for spring, own, more, whole in zip(springs, shapes, wound, inertia, strict=True):
             longest = max(abs(own[0]), abs(own[1]), SPRING_STEP)
             stiffer, damped = (SPRING_STEP / longest * float(x) for x in own[:2])
-            farthest = ROTOR_STEP * _link(float(whole), spring.rotor)
-            rotor = float(np.clip(own[2], -farthest, farthest))
+            link = _link(float(whole), spring.rotor)
+            rotor = float(np.clip(own[2], -ROTOR_STEP * link, ROTOR_STEP * link))
+            stiffness = spring.stiffness * float(np.exp(stiffer))
+            critical = 2.0 * float(np.sqrt(stiffness * link))
+            damping = float(
+                np.clip(spring.damping * np.exp(damped), *np.multiply(DAMPED, critical))
+            )
             out.append(
                 replace(
                     spring,
-                    stiffness=spring.stiffness * float(np.exp(stiffer)),
-                    damping=spring.damping * float(np.exp(damped)),
+                    stiffness=stiffness,
+                    damping=damping,
                     rotor=max(0.0, spring.rotor + rotor),
                     wound=tuple(w + float(m) for w, m in zip(spring.wound, more, strict=True)),
                 )

@@ -58,6 +58,14 @@ def needed_springs(search: Search, given: TorqueModel, as_given: Sequence[RunRes
             search.state = saved
 
 
+def needed_beside_springs(search: Search) -> None:
+    """Drop what later came to be needless beside a spring: until that was refined, what it leaves
+    drew the loads, and another finding may have been judged by what it took of that."""
+    found = search.state.terms[search.fixed :]
+    if any(term.effect.series_spring for term in found) and search.prune():
+        search.settle()
+
+
 def too_large(term: Term, found: Mapping[str, Value]) -> bool:
     """Is one of its sizes beyond the far end of what it may be?"""
     return any(

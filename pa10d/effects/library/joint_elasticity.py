@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, View
-from pa10d.effects.rotor import ROTOR, link_inertia, rotor_starts
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, Value, View
+from pa10d.effects.rotor import LIGHTEST, ROTOR, link_inertia, rotor_starts
+from pa10d.effects.swing import DAMPED
 from pa10d.effects.twist import twisted_torque
 
 STIFFNESS = 0.1, 1e7  # N·m/rad, N/m: a finger's tendon, a large robot's first gear
@@ -12,9 +13,10 @@ STIFFNESS = 0.1, 1e7  # N·m/rad, N/m: a finger's tendon, a large robot's first 
 class JointElasticity(Effect):
     """The gear gives under load like a stiff spring. The link lags behind the motor, where the
     angle is measured, and can swing against it at a frequency of its own. K is the spring's
-    stiffness, zeta its damping at the median of the link's inertia over the joint's range; a share
-    near 1 confirms that the lag explains the error. Where a rigid model cannot tell rotor from link
-    (axes that are fixed), the spring can: rotor is the inertia on the motor's side."""
+    stiffness, C its damping, which as the ratio zeta belongs to the median of the link's inertia
+    over the joints' ranges, not over any one motion; a share near 1 confirms that the lag explains
+    the error. Where a rigid model cannot tell rotor from link (axes that are fixed), the spring
+    can: rotor is the inertia on the motor's side."""
 
     id = "joint_elasticity"
     title = "Joint elasticity"
@@ -31,7 +33,7 @@ class JointElasticity(Effect):
     coefficients = (Coefficient("share", "1", 0.97, 1.03, whole_at_one=True),)
     shapes = (
         ShapeParameter("K", "N·m/rad", *STIFFNESS, "log"),
-        ShapeParameter("zeta", "1", 0.005, 0.7, "log"),
+        ShapeParameter("zeta", "1", *DAMPED, "log"),
         ROTOR,
     )
     derived = {"zeta": ("K",), "rotor": ("K",)}  # of a mode: where that is, K says
@@ -58,6 +60,17 @@ class JointElasticity(Effect):
     example = Example(
         (1.0,), against="frequency", shape={"K": 2000.0, "zeta": 0.06}, motion="chirp"
     )
+
+    def beside_link(self, values, inertia):
+        stiffness, zeta, rotor = values["K"], values["zeta"], values.get("rotor")
+        link = max(inertia - (rotor.value if rotor else 0.0), LIGHTEST * inertia)
+        damping = 2.0 * zeta.value * float(np.sqrt(stiffness.value * link))
+        parts = [zeta.std_error / zeta.value, 0.5 * stiffness.std_error / stiffness.value]
+        if rotor:
+            parts.append(0.5 * rotor.std_error / link)
+        known = zeta.determined and stiffness.determined
+        error = damping * float(np.linalg.norm(parts))
+        return {**values, "C": Value(damping, error, "N·m·s/rad", determined=known)}
 
     def columns(self, context, joints, shape):
         return self._column(context, joints, shape, closely=True)
