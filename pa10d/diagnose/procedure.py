@@ -49,7 +49,7 @@ from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_
 from pa10d.diagnose.search.whole import fitted_to_all
 from pa10d.diagnose.search.with_numbers import (
     needed_beside_springs,
-    needed_springs,
+    needed_without_numbers,
     only_with_numbers,
 )
 from pa10d.diagnose.unknown.at_most import most_noise
@@ -140,7 +140,7 @@ def diagnose(
         only_with_numbers(search, model, as_given)
         search = held_firmly(search, model, as_given)
     if not frozen:
-        needed_springs(search, model, as_given)
+        needed_without_numbers(search, model, as_given)
         needed_beside_springs(search)
     if only is None:
         search.contest()

@@ -1,4 +1,4 @@
-"""What is told: changes of which at least one number is an estimate, springs that are needed."""
+"""What is told: changes of which at least one number is an estimate, findings that are needed."""
 
 from __future__ import annotations
 
@@ -38,18 +38,25 @@ def only_with_numbers(search: Search, given: TorqueModel, as_given: Sequence[Run
         search.settle()
 
 
-def needed_springs(search: Search, given: TorqueModel, as_given: Sequence[RunResidual]) -> None:
-    """Drop springs that have not one number that the data determine where nothing is the worse for
-    it once the others are fitted anew: another joint's spring, not yet refined when they came, had
-    left what they took.
+def needed_without_numbers(
+    search: Search, given: TorqueModel, as_given: Sequence[RunResidual]
+) -> None:
+    """Drop what has not one number that the data determine where nothing is the worse for it once
+    the others are fitted anew: another finding, not yet refined when it came, had left what it
+    took. Of a single spring much is fitted at once, and nothing else has left it.
 
     as_given: the held-out side as the given model saw it
     """
-    springs = [t for t in search.state.terms[search.fixed :] if t.effect.series_spring]
-    version = snapshot(given, search.state, len(search.state.terms), as_given) if springs else None
-    for term in reversed(springs if len(springs) > 1 else []):
-        index = next(k for k, t in enumerate(search.state.terms) if t.label == term.label)
-        if version is None or not not_one(search.state.terms[index], version.term_values(index)):
+    found = search.state.terms[search.fixed :]
+    springs = [t for t in found if t.effect.series_spring]
+    asked = [t for t in found if not t.effect.series_spring or len(springs) > 1]
+    if len(found) < 2 or not asked:
+        return
+    version = snapshot(given, search.state, len(search.state.terms), as_given)
+    for index in reversed(range(search.fixed, len(search.state.terms))):
+        term = search.state.terms[index]
+        single = term.effect.series_spring and len(springs) < 2
+        if single or not not_one(term, version.term_values(index)):
             continue
         saved, before = search.state.copy(), rms(search.state.held_residual())
         search.state.drop(index)

@@ -1,4 +1,4 @@
-"""A spring that came before another one was well described, and is needless since, is left out."""
+"""What came before another finding was well described, and is needless since, is left out."""
 
 from __future__ import annotations
 
@@ -9,12 +9,16 @@ import numpy as np
 import pytest
 
 from pa10d.diagnose.search import with_numbers
-from pa10d.diagnose.search.with_numbers import needed_springs
+from pa10d.diagnose.search.with_numbers import needed_without_numbers
 from pa10d.model import Term
 
 
 def spring(joint: int) -> Term:
     return Term("joint_elasticity", (joint,), np.ones(1), {"K": 80.0, "zeta": 0.05})
+
+
+def other(joint: int) -> Term:
+    return Term("position_friction", (joint,), np.ones(2))
 
 
 @dataclass
@@ -35,17 +39,20 @@ class State:
         return {0: np.ones(9), 1: np.full(9, left)}
 
 
+@pytest.mark.parametrize("second", [spring, other])
 @pytest.mark.parametrize(
     ("alone", "told", "kept"),
     [(1.0, False, 1), (1.04, False, 1), (1.5, False, 2), (1.0, True, 2)],
 )
-def test_a_spring_without_a_number_has_to_be_missed(monkeypatch, alone, told, kept):
+def test_what_has_no_number_has_to_be_missed(monkeypatch, second, alone, told, kept):
+    """Position-dependent friction of 0.0137 ± 0.0147 was told beside a right line, too."""
     monkeypatch.setattr(
         with_numbers, "snapshot", lambda *_: SimpleNamespace(term_values=lambda index: {})
     )
     monkeypatch.setattr(
         with_numbers, "not_one", lambda term, found: term.joints == (1,) and not told
     )
-    search = SimpleNamespace(state=State(alone), fixed=0, settle=lambda: None)
-    needed_springs(search, None, [])
+    state = State(alone, [spring(0), second(1)])
+    search = SimpleNamespace(state=state, fixed=0, settle=lambda: None)
+    needed_without_numbers(search, None, [])
     assert [t.joints for t in search.state.terms] == [(0,), (1,)][:kept]
