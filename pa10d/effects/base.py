@@ -237,6 +237,7 @@ class Effect(ABC):
     builds_up_over: ClassVar[str] = ""  # shape parameter: the way over which its joint's friction
     # builds up after a turn, and all that is carried with it
     is_rotor: ClassVar[bool] = False  # without it the rigid bodies take the rotor's inertia in
+    picked_up: ClassVar[bool] = False  # may come or go while the arm moves
     also_changes: ClassVar[bool] = False  # asked for, too, where the question is what changed
     seen_by_shared_bodies: ClassVar[bool] = False  # a change that a new fit does not hide: the
     # equations of several joints ask different things of one body. Asked for where the question

@@ -61,7 +61,8 @@ def unexplained_section(
     """One joint's map; unless the model was frozen, also the command that removes it."""
     unit = found.model.robot.torque_unit(s.joint)
     if isinstance(s, Apart):
-        said = [Text(found.remaining[s.joint].sentence), Text(ALL_ALONG if s.all_along else APART)]
+        what = ALL_ALONG if s.all_along else APART if s.at is None else STEP
+        said = [Text(found.remaining[s.joint].sentence), Text(what)]
         name = f"Joint {s.joint + 1}: {s.who}"
         return Section(name, list(said), f"{s.rms:.3g} {unit}")
     if isinstance(s, OtherGeometry):

@@ -18,6 +18,8 @@ from pa10d.report.finding_section import Asked
 from pa10d.report.unexplained_section import unexplained_section
 from pa10d.report.verdict import headline
 
+MOMENT = 6.0  # s into a run
+
 
 def told_of(runs):
     """Whatever the noise floor is."""
@@ -58,6 +60,27 @@ def test_what_one_run_asks_for_by_itself_is_told_with_its_joints(name):
     for one in told:
         assert (one.effects, one.others, one.runs) == ((name,), ("fit_a",), ("fit_b",))
         assert one.share > 0.98
+
+
+@pytest.mark.parametrize(
+    ("before", "where"), [(False, ("fit_a", "fit_b")), (False, ("fit_b",)), (True, ("fit_a",))]
+)
+def test_what_an_arm_picks_up_on_its_way_is_told_with_the_moment(before, where):
+    def held(t, q, dq, ddq):
+        return more_mass(t, q, dq, ddq) * ((t < MOMENT) == before)[:, None]
+
+    own = recordings(5, held)
+    runs = {**recordings(5), **{name: own[name] for name in where}}
+    if before:  # put down in the first, never there in the second: as if it were a part of all
+        runs["fit_b"] = recordings(5, more_mass)["fit_b"]
+    told = told_of(runs)
+    assert tuple(one.joint for one in told) == (0, 1)
+    for one in told:
+        assert one.effects == ("a payload",)
+        assert set(one.runs) == {*where}
+        assert one.at == pytest.approx(MOMENT, abs=0.3)
+        assert one.share > 0.95
+        assert f"a payload came or went {one.at:.1f} s into {where[0]}" in one.words
 
 
 @pytest.mark.parametrize("phi", [0.0, 0.99, 0.9995])

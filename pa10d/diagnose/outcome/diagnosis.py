@@ -226,6 +226,13 @@ class Diagnosis:
                 f"look what was changed between {listed(one.others)} and {listed(one.runs)}, and "
                 "ask of them what has changed (frozen)",
             )
+        if one.at is not None:
+            return (
+                f"no one model of {joints} is right before and after {one.at:.1f} s of "
+                f"{listed(one.runs)}; look what the arm took up or put down then, identify with "
+                "one side of that left out (--leave-out), and ask of the other what has changed "
+                "(frozen)",
+            )
         return (
             f"the fitted runs ask for different parameters of {joints}, so one model of all of "
             f"them is right in none; look what was changed between {listed(one.others)} and "

@@ -3,7 +3,8 @@
 A payload that was there on one day, friction that rose, a sensor that was zeroed anew: a model of
 all runs is right in none, and what it leaves looks like whatever it happens to look like. So what
 may have changed is tried in some of the runs alone (Chow 1960: other coefficients in a part of the
-data), under noise as slow as it is, and has to hold from one stretch of time to the next.
+data), under noise as slow as it is, and has to hold from one stretch of time to the next. What an
+arm picks up or puts down on its way contradicts itself within a run; that is tried likewise.
 """
 
 from __future__ import annotations
@@ -22,6 +23,9 @@ from pa10d.diagnose.constants import (
     CONTRADICTED_LEVEL,
     MATERIAL_GAIN,
     MATERIAL_REST,
+    PICKED_EVERY,
+    STEP_CLOSELY,
+    STEP_MARGIN,
 )
 from pa10d.diagnose.evidence.held_out import fit_side_power
 from pa10d.diagnose.regression.least_squares import LeastSquares
@@ -38,7 +42,8 @@ class Apart:
     """Of a joint (0-based): runs ask for something of which the others have none, or less.
 
     share: of the squared error that a fit leaves there, which is gone if they may have it; rms:
-    N·m of that; p_value: of all that was tried; effects: as people call them
+    N·m of that; p_value: of all that was tried; effects: as people call them; at: s since these
+    runs began, where it came or went on the way
     """
 
     joint: int
@@ -50,6 +55,7 @@ class Apart:
     effects: tuple[str, ...]
     variables: tuple[str, ...] = ()
     held_out: bool = False  # it is the held-out runs that ask for it
+    at: float | None = None
 
     @property
     def all_along(self) -> bool:
@@ -63,6 +69,8 @@ class Apart:
             return "the fitted runs alone do not show what those held out ask for"
         if self.held_out:
             return "the runs held out contradict the fitted ones"
+        if self.at is not None:
+            return "the arm is another one from one moment on"
         return "the fitted runs contradict each other"
 
     @property
@@ -70,6 +78,9 @@ class Apart:
         """``as if Coulomb friction came or went between mon and tue``."""
         if self.all_along:
             return f"as if {listed(self.effects)} were there in all of them"
+        if self.at is not None:
+            moment = f"{self.at:.1f} s into {listed(self.runs)}"
+            return f"as if {listed(self.effects)} came or went {moment}"
         between = f"{listed(self.others)} and {listed(self.runs)}"
         return f"as if {listed(self.effects)} came or went between {between}"
 
@@ -84,11 +95,30 @@ class Contradiction:
 
 
 @dataclass(frozen=True)
+class _Part:
+    """Of these runs (empty: of all) what lies before or after so many seconds, or the whole."""
+
+    runs: tuple[str, ...]
+    at: float | None = None
+    before: bool = False
+
+    def rows(self, side: Side, joint: int, seconds: Array) -> Array:
+        """(m_j,) 1 where a joint's row is in it; seconds: since its run began."""
+        there = rows_of(side, joint, self.runs or [run.name for run in side.runs])
+        return there if self.at is None else there * ((seconds < self.at) == self.before)
+
+
+@dataclass(frozen=True)
 class _Own(OwnPart):
-    """An effect that some runs have for themselves."""
+    """An effect that a part of the samples has for itself."""
 
     effect: Effect
-    runs: tuple[str, ...]
+    joints: tuple[int, ...]
+    part: _Part
+
+    @property
+    def runs(self) -> tuple[str, ...]:
+        return self.part.runs
 
 
 def unlike_fitted(
@@ -131,13 +161,18 @@ def contradiction(
     names = tuple(dict.fromkeys(run.name for run in state.train.runs))
     taken: list[tuple[_Own, float]] = []
     concerned = fit.rms() > least
-    for _ in range(state.train.n if len(names) > 1 else 0):
+    groups = [_Part(runs) for runs in (_parts(names) if parts is None else parts)]
+    moments = list(_moments(state.train, names)) if parts is None else []
+    for _ in range(state.train.n):
         if not np.any(fit.rms() > least):
             break
-        tried = list(_tried(state, suspects, fit, _parts(names) if parts is None else parts))
+        tried = list(_tried(state, suspects, fit, [*groups, _Part(())]))
+        picked_up = [one for one in suspects if one[0].picked_up]
+        tried += list(_tried(state, picked_up, fit, moments))
         best = _plainest([one for one in tried if one.runs])
         if best is None:
             break
+        best = _closely(state, fit, best)
         always = _all_along(tried, best)
         if always is not None and parts is None:
             break
@@ -164,8 +199,6 @@ def _rms(values: Array) -> float:
 def needless(state: SearchState, suspects: Suspects, fixed: int, floor: Array) -> SearchState:
     """The state without findings that runs which contradict each other can do without: what they
     ask for by themselves leaves no more than with the finding (0070, rule 15)."""
-    if len({run.name for run in state.train.runs}) < 2:
-        return state
     if len(state.terms) == fixed or not contradiction(state.bare(fixed), suspects, floor).told:
         return state
     for index in reversed(range(fixed, len(state.terms))):
@@ -180,26 +213,56 @@ def needless(state: SearchState, suspects: Suspects, fixed: int, floor: Array) -
 
 
 def _tried(
-    state: SearchState, suspects: Suspects, fit: LeastSquares, groups: Sequence[tuple[str, ...]]
+    state: SearchState, suspects: Suspects, fit: LeastSquares, parts: Sequence[_Part]
 ) -> Iterator[_Own]:
-    """Each that may have changed, in each group of the runs, and (no runs) in all of them."""
+    """Each that may have changed, in each of these parts of the samples."""
     side = state.train
-    names = [run.name for run in side.runs]
-    for effect, joints in suspects:
+    seconds = [_seconds(side, j) for j in range(side.n)]
+    for effect, joints in suspects if parts else ():
         if not all(s.smoothing or s.optional for s in effect.shapes):
             continue  # what has a shape of its own bends to what a model lacks
         columns = side.columns(effect, joints, [_shape(state, effect, joints)])
         weighted = {j: c / fit.sigma[j] for j, c in columns.items()}
-        for runs in [*groups, ()]:
+        for part in parts:
             own = own_part(
-                fit, {j: c * rows_of(side, j, runs or names)[:, None] for j, c in weighted.items()}
+                fit, {j: c * part.rows(side, j, seconds[j])[:, None] for j, c in weighted.items()}
             )
             if own is not None:
-                yield _Own(own.gain, own.theta, own.change, own.basis, effect, runs)
+                yield _Own(own.gain, own.theta, own.change, own.basis, effect, joints, part)
+
+
+def _moments(side: Side, names: Sequence[str]) -> Iterator[_Part]:
+    """Before and after a moment of one run alone, and after one that all runs have."""
+    last = {name: _longest(side, name) - STEP_MARGIN for name in names}
+    for name in names:
+        for at in np.arange(STEP_MARGIN, last[name], PICKED_EVERY).tolist():
+            yield from (_Part((name,), at, before) for before in (False, True))
+    if len(names) > 1:
+        for at in np.arange(STEP_MARGIN, min(last.values()), PICKED_EVERY).tolist():
+            yield _Part(tuple(names), at)
+
+
+def _longest(side: Side, name: str) -> float:
+    """s that the longest stretch of a run takes."""
+    lasts = zip(side.runs, side.contexts, strict=True)
+    return max(float(context.t[-1] - context.t[0]) for run, context in lasts if run.name == name)
+
+
+def _closely(state: SearchState, fit: LeastSquares, best: _Own) -> _Own:
+    """The same with the moment that suits best, near the one that was tried."""
+    at = best.part.at
+    if at is None:
+        return best
+    near = np.arange(at - PICKED_EVERY, at + PICKED_EVERY, STEP_CLOSELY).tolist()
+    parts = [replace(best.part, at=moment) for moment in near]
+    found = _tried(state, [(best.effect, best.joints)], fit, parts)
+    return max([best, *found], key=lambda one: one.gain)
 
 
 def _parts(names: Sequence[str]) -> list[tuple[str, ...]]:
     """Each run by itself, and all from one on; of two halves one says it all."""
+    if len(names) < 2:
+        return []
     one = [(name,) for name in names[1:]] if len(names) == 2 else [(name,) for name in names]
     since = [tuple(names[k:]) for k in range(2, len(names) - 1)]
     return [*one, *since]
@@ -214,6 +277,15 @@ def rows_of(side: Side, joint: int, runs: Sequence[str]) -> Array:
     """(m_j,) 1 where a joint's row is of these runs."""
     counts = [int(keep[:, joint].sum()) for keep in side.keep]
     return np.repeat([float(run.name in runs) for run in side.runs], counts)
+
+
+def _seconds(side: Side, joint: int) -> Array:
+    """(m_j,) s since its run began."""
+    rows = []
+    for run, context in zip(side.runs, side.contexts, strict=True):
+        t = context.t[:: run.lowpass.factor] - context.t[0]
+        rows.append(np.column_stack([t]))
+    return np.asarray(side.gathered(rows, joint)[:, 0])
 
 
 def _all_along(tried: Sequence[_Own], best: _Own) -> _Own | None:
@@ -261,4 +333,5 @@ def _told(
             runs=most.runs,
             others=tuple(name for name in names if name not in most.runs),
             effects=tuple(dict.fromkeys(one.effect.named for one in mine)),
+            at=most.part.at,
         )

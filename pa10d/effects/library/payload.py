@@ -21,6 +21,7 @@ class Payload(Effect):
     scope = "robot"
     question = "changed"
     reaches_other_joints = True
+    picked_up = True
     derived = {"cx": ("mass",), "cy": ("mass",), "cz": ("mass",)}
     coefficients = (
         Coefficient("mass", "kg", lower=0.0),
