@@ -102,7 +102,8 @@ FIRM_MODES = (0.6, 1.2)  # of the cut-off: of links that nothing but reversals a
 FIRM_ZETA = 0.2  # from which those are sought: a wide peak is found from farther away
 FIRM_ROTOR = 0.5  # of the inertia of rotor and link, likewise
 STEP_EVERY, STEP_CLOSELY = 0.5, 0.05  # s between moments that are tried, and around the best
-PICKED_EVERY = 1.0  # s between moments at which an arm may have picked up something
+PICKED_MOMENTS = 20  # of each run, at which an arm may have picked up something, before the best is
+#   sought more closely
 STEP_SHARES = (1.0, 0.5, 0.2)  # of a Gauss-Newton step, tried in turn
 STEP_DAMPINGS = (0.0, 0.02, 0.1, 0.4, 2.0, 10.0)  # of one beside springs, likewise: shares of
 #   a column's length, from next to what the data show least of to each parameter on its own

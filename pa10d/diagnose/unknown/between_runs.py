@@ -23,7 +23,7 @@ from pa10d.diagnose.constants import (
     CONTRADICTED_LEVEL,
     MATERIAL_GAIN,
     MATERIAL_REST,
-    PICKED_EVERY,
+    PICKED_MOMENTS,
     STEP_CLOSELY,
     STEP_MARGIN,
 )
@@ -152,7 +152,9 @@ def contradiction(
     floor: Array,
     parts: Sequence[tuple[str, ...]] | None = None,
 ) -> Contradiction:
-    """What runs of the fit side ask for by themselves, on joints that keep more than noise.
+    """What runs of the fit side ask for by themselves, on joints that keep more than noise; and
+    what came or went within them, whatever the noise floor is: where a motion comes again, all that
+    is picked up between its passes is in that.
 
     suspects: what may change; floor: (n,) N·m; nan where it is not known: what changed has to stand
     out from slow noise anyway; parts: the names of runs that may (None: any)
@@ -163,12 +165,11 @@ def contradiction(
     concerned = fit.rms() > least
     groups = [_Part(runs) for runs in (_parts(names) if parts is None else parts)]
     moments = list(_moments(state.train, names)) if parts is None else []
+    picked_up = [one for one in suspects if one[0].picked_up]
     for _ in range(state.train.n):
-        if not np.any(fit.rms() > least):
-            break
-        tried = list(_tried(state, suspects, fit, [*groups, _Part(())]))
-        picked_up = [one for one in suspects if one[0].picked_up]
-        tried += list(_tried(state, picked_up, fit, moments))
+        tried = list(_tried(state, picked_up, fit, moments))
+        if groups and np.any(fit.rms() > least):
+            tried += _tried(state, suspects, fit, [*groups, _Part(())])
         best = _plainest([one for one in tried if one.runs])
         if best is None:
             break
@@ -182,6 +183,8 @@ def contradiction(
             break
         taken.append((best, p_value))
         fit = beside(fit, best)
+    if any(one.part.at is not None for one, _ in taken):
+        concerned[:] = True
     told = _told(taken, names, concerned, state.fit, fit) if taken else ()
     return Contradiction(tuple(told), fit.rms())
 
@@ -232,14 +235,20 @@ def _tried(
 
 
 def _moments(side: Side, names: Sequence[str]) -> Iterator[_Part]:
-    """Before and after a moment of one run alone, and after one that all runs have."""
+    """Before and after some moments of one run alone, and after those that all runs have."""
     last = {name: _longest(side, name) - STEP_MARGIN for name in names}
     for name in names:
-        for at in np.arange(STEP_MARGIN, last[name], PICKED_EVERY).tolist():
+        for at in _between(last[name]):
             yield from (_Part((name,), at, before) for before in (False, True))
     if len(names) > 1:
-        for at in np.arange(STEP_MARGIN, min(last.values()), PICKED_EVERY).tolist():
-            yield _Part(tuple(names), at)
+        yield from (_Part(tuple(names), at) for at in _between(min(last.values())))
+
+
+def _between(last: float) -> list[float]:
+    """s, evenly from the first to the last at which both sides can be told."""
+    if last <= STEP_MARGIN:
+        return []
+    return np.linspace(STEP_MARGIN, last, PICKED_MOMENTS).tolist()
 
 
 def _longest(side: Side, name: str) -> float:
@@ -249,14 +258,16 @@ def _longest(side: Side, name: str) -> float:
 
 
 def _closely(state: SearchState, fit: LeastSquares, best: _Own) -> _Own:
-    """The same with the moment that suits best, near the one that was tried."""
-    at = best.part.at
-    if at is None:
+    """The same with the moment that suits best, sought ever more closely about it."""
+    if best.part.at is None:
         return best
-    near = np.arange(at - PICKED_EVERY, at + PICKED_EVERY, STEP_CLOSELY).tolist()
-    parts = [replace(best.part, at=moment) for moment in near]
-    found = _tried(state, [(best.effect, best.joints)], fit, parts)
-    return max([best, *found], key=lambda one: one.gain)
+    apart = _longest(state.train, best.runs[0]) / (PICKED_MOMENTS - 1)
+    while apart > STEP_CLOSELY:
+        near = best.part.at + apart * np.linspace(-1.0, 1.0, 9)
+        parts = [replace(best.part, at=float(at)) for at in near]
+        found = _tried(state, [(best.effect, best.joints)], fit, parts)
+        best, apart = max([best, *found], key=lambda one: one.gain), apart / 4.0
+    return best
 
 
 def _parts(names: Sequence[str]) -> list[tuple[str, ...]]:
