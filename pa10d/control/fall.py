@@ -113,6 +113,11 @@ class FallWatch:
         sent = self._falling(axis)[2][:-1]  # the last acts from now on
         return (float(sent.min()), float(sent.max())) if len(sent) else (thought, thought)
 
+    def way(self, axis: int) -> float:
+        """rad that it went since it stood last."""
+        q = self._falling(axis)[1]
+        return float(q[-1] - q[0]) if len(q) else 0.0
+
     def _falling(self, axis: int) -> tuple[Array, Array, Array]:
         """s, rad and N·m of the rows since it stood last."""
         rows = self._rows[np.arange(max(0, self._count - KEPT), self._count) % KEPT]
@@ -200,8 +205,9 @@ class Tried:
     ) -> Weighed | None:
         """What was found, or the middle of what is left where it was tried before that it is not,
         or hardly: what takes a joint along, or slows it, spoils each fall alike.
-        way: rad that it went ``under`` so many N·m, at least and at most, described: N·m. A joint
-        that its servo throws up may weigh more than was thought, if no more than what threw it."""
+        way: rad that it went ``under`` so many N·m, at least and at most, since it stood last,
+        described: N·m. A joint that its servo throws up may weigh more than was thought, if no more
+        than what threw it."""
         if described == 0.0:
             return found
         heavier = way * described < 0.0

@@ -67,6 +67,7 @@ class TorquePath:
         self._described = np.zeros(n)  # N·m by the description, and
         self.thought = np.zeros(n)  # … by all that is known, to hold where brakes opened last
         self._moved_at = np.full(n, -np.inf)  # s, when each moved last
+        self._restless = np.zeros(n, dtype=bool)  # ever since the first seconds of being held
         self._stood, self._falls, self._tried = StoodWith(n), FallWatch(n), Tried(n)
         self._heaviest = limits.torque if heaviest is None else np.minimum(heaviest, limits.torque)
         self._inertia = inertia
@@ -119,7 +120,9 @@ class TorquePath:
         self.measured_q[:], self.tau[:] = feedback.q, feedback.tau
         self.temperature = feedback.temperature
         self._speed.update(feedback.q, feedback.age, feedback.time)
-        self._moved_at[np.abs(self.dq) > CREEPS] = self.time
+        moves = np.abs(self.dq) > CREEPS
+        self._moved_at[moves] = self.time
+        self._restless = moves if self._new else moves & self._restless
 
     def watch_standing(self) -> None:
         """While brakes open nothing may move but what gravity does until the servo has it."""
@@ -223,12 +226,17 @@ class TorquePath:
         alone = self._alone is not None
         inertia = None if self._inertia is None else float(self._inertia[alone][axis])
         most, thought = float(self._heaviest[axis]), float(self.thought[axis])
-        found = self._falls.weighed(axis, thought, most, inertia)
-        way, described = float(self.q[axis] - self.reference.q[axis]), float(self._described[axis])
-        more = self._tried.again(axis, described, self._falls.driven(axis), found, alone)
-        if more is not None:
-            found = replace(more, torque=float(np.clip(more.torque, -most, most)))
-        found = self._tried.same_way(axis, thought, described, found)
+        far, described = float(self.q[axis] - self.reference.q[axis]), float(self._described[axis])
+        way = self._falls.way(axis)
+        back = way * far < 0.0  # its servo throws it: what unwinds meanwhile looks like any weight
+        found = self._falls.weighed(axis, thought, most, None if back else inertia)
+        if back:
+            found = found or self._caught.get(axis)
+        else:
+            more = self._tried.again(axis, described, self._falls.driven(axis), found, alone)
+            if more is not None:
+                found = replace(more, torque=float(np.clip(more.torque, -most, most)))
+            found = self._tried.same_way(axis, thought, described, found)
         found = self._tried.between(axis, self._falls.under(axis, thought), described, way, found)
         return found and replace(found, torque=float(np.clip(found.torque, -most, most)))
 
@@ -238,7 +246,7 @@ class TorquePath:
             return
         self._stood.see(self.q, self.sent)
         self._untouched &= not self.reference.dq.any()
-        if self._untouched and self._new:
+        if self._untouched and (self._new or self._restless.any()):
             self._falls.see(self.time, self.q, self.sent)
         if not stopping_for_fault:
             self._places.see(self.q)
@@ -268,7 +276,7 @@ class TorquePath:
             if axis is None or violation.kind == "stale" or not self._swings.suspected(axis):
                 if axis is not None and violation.kind == "following_error":
                     violation.was_there = self._places.towards(self.reference.q, self.q, axis)
-                    if self._untouched and self._new:
+                    if self._untouched and (self._new or self._restless[axis]):
                         violation.cause += self._in_vain(axis)
                         violation.weighed = 1 + list(self.fell)[-1] if self.fell else 0
                 raise
