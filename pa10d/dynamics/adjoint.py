@@ -12,7 +12,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.dynamics.regressor import _cross, _down, _motion, _tree
+from pa10d.dynamics.regressor import _joint_frame, _tree
 from pa10d.dynamics.robot import Robot
 
 Array = NDArray[np.float64]
@@ -49,6 +49,62 @@ def regressor_gradient(
         grad_ddq,
     )
     return grad_q, grad_dq, grad_ddq
+
+
+@numba.njit(cache=True)
+def _cross(a, b, out):
+    out[0] = a[1] * b[2] - a[2] * b[1]
+    out[1] = a[2] * b[0] - a[0] * b[2]
+    out[2] = a[0] * b[1] - a[1] * b[0]
+
+
+@numba.njit(cache=True)
+def _down(rot, v, out):
+    """out = rotᵀ v: from the parent's frame into the child's."""
+    for k in range(3):
+        out[k] = rot[0, k] * v[0] + rot[1, k] * v[1] + rot[2, k] * v[2]
+
+
+@numba.njit(cache=True)
+def _motion(q, dq, ddq, parent, order, fixed, offset, axis, prismatic, gravity, rot, arm, w, dw, a):
+    """Outward recursion for one sample: frames, angular rates and origin accelerations, each
+    in its own link's frame; gravity enters as an acceleration of the base."""
+    t1, t2, base, zero = np.empty(3), np.empty(3), np.empty(3), np.zeros(3)
+    for k in range(3):
+        base[k] = -gravity[k]
+    for j in order:
+        p = parent[j]
+        wp = w[p] if p >= 0 else zero
+        dwp = dw[p] if p >= 0 else zero
+        ap = a[p] if p >= 0 else base
+        if prismatic[j]:
+            rot[j] = fixed[j]
+            for k in range(3):
+                arm[j, k] = offset[j, k] + q[j] * (
+                    fixed[j, k, 0] * axis[j, 0]
+                    + fixed[j, k, 1] * axis[j, 1]
+                    + fixed[j, k, 2] * axis[j, 2]
+                )
+        else:
+            _joint_frame(fixed[j], axis[j], q[j], rot[j])
+            for k in range(3):
+                arm[j, k] = offset[j, k]
+        _cross(wp, arm[j], t1)
+        _cross(wp, t1, t2)
+        _cross(dwp, arm[j], t1)
+        for k in range(3):
+            t2[k] += ap[k] + t1[k]
+        _down(rot[j], t2, a[j])
+        _down(rot[j], wp, w[j])
+        _down(rot[j], dwp, dw[j])
+        _cross(w[j], axis[j], t1)
+        if prismatic[j]:
+            for k in range(3):
+                a[j, k] += 2.0 * t1[k] * dq[j] + axis[j, k] * ddq[j]
+        else:
+            for k in range(3):
+                dw[j, k] += t1[k] * dq[j] + axis[j, k] * ddq[j]
+                w[j, k] += axis[j, k] * dq[j]
 
 
 @numba.njit(cache=True)

@@ -13,12 +13,11 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.dynamics.lanes import LANES, arm, column, read_joint, turning
 from pa10d.dynamics.regressor import _tree
 from pa10d.dynamics.robot import Robot
 
 Array = NDArray[np.float64]
-
-LANES = 64  # samples that are worked on at once: what a joint needs of them fits the nearest cache
 
 
 def sensitivities(
@@ -50,10 +49,10 @@ def _derive(q, dq, ddq, parent, order, fixed, offset, axis, prismatic, gravity, 
     What belongs to the base stands behind the last joint's.
     """
     samples, n = q.shape
-    turning, ahead = np.zeros((n, 3, 3, 3)), np.zeros((n, 3))
+    turn, ahead = np.zeros((n, 3, 3, 3)), np.zeros((n, 3))
     mass, second = np.zeros(n), np.zeros((n, 6))
     for j in range(n):
-        _turning(fixed[j], axis[j], prismatic[j], turning[j], ahead[j])
+        turning(fixed[j], axis[j], prismatic[j], turn[j], ahead[j])
         _second(h[j], second[j])
     for position in range(n - 1, -1, -1):
         j = order[position]
@@ -81,11 +80,11 @@ def _derive(q, dq, ddq, parent, order, fixed, offset, axis, prismatic, gravity, 
         lanes = min(LANES, samples - start)
         for j in order:
             p = parent[j] if parent[j] >= 0 else n
-            _read(q, dq, ddq, start, lanes, j, prismatic[j], joint)
+            read_joint(q, dq, ddq, start, lanes, j, prismatic[j], joint)
             for c in range(3):
-                _column(turning[j, c], joint, lanes, local)
+                column(turn[j, c], joint, lanes, local)
                 _up(rot[p], local, lanes, rot[j, c])
-            _arm(offset[j], ahead[j], joint, lanes, local)
+            arm(offset[j], ahead[j], joint, lanes, local)
             _up(rot[p], local, lanes, at[j])
             _add(at[p], lanes, at[j])
             _axis(rot[j], at[j], axis[j], prismatic[j], lanes, s[j])
@@ -129,22 +128,6 @@ def _derive(q, dq, ddq, parent, order, fixed, offset, axis, prismatic, gravity, 
 
 
 @numba.njit(cache=True, nogil=True)
-def _turning(fixed, axis, prismatic, out, ahead):
-    """A joint's rotation, column by column (c, 3, 3): what stays, what goes with the cosine and
-    what with the sine of its angle (Rodrigues); and its axis in the parent's frame."""
-    for r in range(3):
-        u, v, w = fixed[r]
-        x, y, z = axis
-        along = u * x + v * y + w * z
-        ahead[r] = along
-        across = (v * z - w * y, w * x - u * z, u * y - v * x)
-        for c in range(3):
-            out[c, 0, r] = fixed[r, c] if prismatic else along * axis[c]
-            out[c, 1, r] = 0.0 if prismatic else fixed[r, c] - along * axis[c]
-            out[c, 2, r] = 0.0 if prismatic else across[c]
-
-
-@numba.njit(cache=True, nogil=True)
 def _second(h, out):
     """Σ r·rᵀ·dm of a link about its own frame, xx xy yy xz yz zz, from its inertia."""
     half = 0.5 * (h[4] + h[6] + h[9])
@@ -153,35 +136,6 @@ def _second(h, out):
     out[0] += half
     out[2] += half
     out[5] += half
-
-
-@numba.njit(cache=True, nogil=True)
-def _read(q, dq, ddq, start, lanes, j, prismatic, out):
-    """A joint's cosine, sine, slide, rate and acceleration."""
-    for k in range(lanes):
-        out[3, k], out[4, k] = dq[start + k, j], ddq[start + k, j]
-        angle = q[start + k, j]
-        if prismatic:
-            out[0, k], out[1, k], out[2, k] = 0.0, 0.0, angle
-        else:
-            out[0, k], out[1, k], out[2, k] = np.cos(angle), np.sin(angle), 0.0
-
-
-@numba.njit(cache=True, nogil=True)
-def _column(turning, joint, lanes, out):
-    """One column of a joint's rotation."""
-    for r in range(3):
-        still, cosine, sine = turning[0, r], turning[1, r], turning[2, r]
-        for k in range(lanes):
-            out[r, k] = still + cosine * joint[0, k] + sine * joint[1, k]
-
-
-@numba.njit(cache=True, nogil=True)
-def _arm(offset, ahead, joint, lanes, out):
-    """From the parent's origin to the link's, in the parent's frame."""
-    for r in range(3):
-        for k in range(lanes):
-            out[r, k] = offset[r] + ahead[r] * joint[2, k]
 
 
 @numba.njit(cache=True, nogil=True)

@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.dynamics.regressor import inverse_dynamics
+from pa10d.dynamics.inverse import inverse_dynamics
 from pa10d.dynamics.robot import Robot
 
 Array = NDArray[np.float64]

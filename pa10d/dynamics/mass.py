@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.dynamics.regressor import inverse_dynamics
+from pa10d.dynamics.inverse import inverse_dynamics
 from pa10d.dynamics.robot import Robot
 
 Array = NDArray[np.float64]

@@ -50,20 +50,6 @@ def regressor(
     return out
 
 
-def inverse_dynamics(robot: Robot, parameters: Array, q: Array, dq: Array, ddq: Array) -> Array:
-    """Rigid-body torque (N, n) N·m of standard parameters (n, 10), without forming Y."""
-    out = np.empty((len(q), robot.n))
-    _torque(
-        np.ascontiguousarray(q, dtype=float),
-        np.ascontiguousarray(dq, dtype=float),
-        np.ascontiguousarray(ddq, dtype=float),
-        *_tree(robot),
-        np.ascontiguousarray(parameters, dtype=float).reshape(robot.n, 10),
-        out,
-    )
-    return out
-
-
 def _tree(robot: Robot) -> tuple[NDArray, ...]:
     return (
         robot.parent,
@@ -74,20 +60,6 @@ def _tree(robot: Robot) -> tuple[NDArray, ...]:
         robot.prismatic,
         np.ascontiguousarray(robot.gravity),
     )
-
-
-@numba.njit(cache=True, nogil=True)
-def _cross(a, b, out):
-    out[0] = a[1] * b[2] - a[2] * b[1]
-    out[1] = a[2] * b[0] - a[0] * b[2]
-    out[2] = a[0] * b[1] - a[1] * b[0]
-
-
-@numba.njit(cache=True, nogil=True)
-def _down(rot, v, out):
-    """out = rotᵀ v: from the parent's frame into the child's."""
-    for k in range(3):
-        out[k] = rot[0, k] * v[0] + rot[1, k] * v[1] + rot[2, k] * v[2]
 
 
 @numba.njit(cache=True, nogil=True)
@@ -106,48 +78,6 @@ def _joint_frame(fixed, axis, angle, out):
             out[i, k] = (
                 fixed[i, 0] * turn[0][k] + fixed[i, 1] * turn[1][k] + fixed[i, 2] * turn[2][k]
             )
-
-
-@numba.njit(cache=True, nogil=True)
-def _motion(q, dq, ddq, parent, order, fixed, offset, axis, prismatic, gravity, rot, arm, w, dw, a):
-    """Outward recursion for one sample: frames, angular rates and origin accelerations, each
-    in its own link's frame; gravity enters as an acceleration of the base."""
-    t1, t2, base, zero = np.empty(3), np.empty(3), np.empty(3), np.zeros(3)
-    for k in range(3):
-        base[k] = -gravity[k]
-    for j in order:
-        p = parent[j]
-        wp = w[p] if p >= 0 else zero
-        dwp = dw[p] if p >= 0 else zero
-        ap = a[p] if p >= 0 else base
-        if prismatic[j]:
-            rot[j] = fixed[j]
-            for k in range(3):
-                arm[j, k] = offset[j, k] + q[j] * (
-                    fixed[j, k, 0] * axis[j, 0]
-                    + fixed[j, k, 1] * axis[j, 1]
-                    + fixed[j, k, 2] * axis[j, 2]
-                )
-        else:
-            _joint_frame(fixed[j], axis[j], q[j], rot[j])
-            for k in range(3):
-                arm[j, k] = offset[j, k]
-        _cross(wp, arm[j], t1)
-        _cross(wp, t1, t2)
-        _cross(dwp, arm[j], t1)
-        for k in range(3):
-            t2[k] += ap[k] + t1[k]
-        _down(rot[j], t2, a[j])
-        _down(rot[j], wp, w[j])
-        _down(rot[j], dwp, dw[j])
-        _cross(w[j], axis[j], t1)
-        if prismatic[j]:
-            for k in range(3):
-                a[j, k] += 2.0 * t1[k] * dq[j] + axis[j, k] * ddq[j]
-        else:
-            for k in range(3):
-                dw[j, k] += t1[k] * dq[j] + axis[j, k] * ddq[j]
-                w[j, k] += axis[j, k] * dq[j]
 
 
 @numba.njit(cache=True, nogil=True)
@@ -299,51 +229,3 @@ def _add(a, b, out):
 def _put(row, lanes, start, out):
     for s in range(lanes):
         out[start + s] = row[s]
-
-
-@numba.njit(cache=True, nogil=True)
-def _torque(q, dq, ddq, parent, order, fixed, offset, axis, prismatic, gravity, h, out):
-    samples, n = q.shape
-    rot, arm = np.empty((n, 3, 3)), np.empty((n, 3))
-    w, dw, a = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
-    f, m = np.empty((n, 3)), np.empty((n, 3))
-    t1, t2, t3, lw, ldw = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    for s in range(samples):
-        _motion(
-            q[s], dq[s], ddq[s], parent, order, fixed, offset, axis, prismatic, gravity,
-            rot, arm, w, dw, a,
-        )  # fmt: skip
-        for j in range(n):
-            mc = h[j, 1:4]
-            _cross(w[j], mc, t1)
-            _cross(w[j], t1, t2)
-            _cross(dw[j], mc, t1)
-            _inertia_times(h[j], w[j], lw)
-            _inertia_times(h[j], dw[j], ldw)
-            _cross(w[j], lw, t3)
-            for k in range(3):
-                f[j, k] = h[j, 0] * a[j, k] + t1[k] + t2[k]
-                m[j, k] = ldw[k] + t3[k]
-            _cross(mc, a[j], t1)
-            for k in range(3):
-                m[j, k] += t1[k]
-        for position in range(n - 1, -1, -1):
-            j = order[position]
-            load = f[j] if prismatic[j] else m[j]
-            out[s, j] = axis[j, 0] * load[0] + axis[j, 1] * load[1] + axis[j, 2] * load[2]
-            p = parent[j]
-            if p >= 0:
-                for k in range(3):
-                    t1[k] = rot[j, k, 0] * f[j, 0] + rot[j, k, 1] * f[j, 1] + rot[j, k, 2] * f[j, 2]
-                    t2[k] = rot[j, k, 0] * m[j, 0] + rot[j, k, 1] * m[j, 1] + rot[j, k, 2] * m[j, 2]
-                _cross(arm[j], t1, t3)
-                for k in range(3):
-                    f[p, k] += t1[k]
-                    m[p, k] += t2[k] + t3[k]
-
-
-@numba.njit(cache=True, nogil=True)
-def _inertia_times(h, v, out):
-    out[0] = h[4] * v[0] + h[5] * v[1] + h[7] * v[2]
-    out[1] = h[5] * v[0] + h[6] * v[1] + h[8] * v[2]
-    out[2] = h[7] * v[0] + h[8] * v[1] + h[9] * v[2]

@@ -10,7 +10,7 @@ from test_regressor import TILTED, random_parameters, seeds, states, trees
 from trees import ALL
 
 from pa10d.dynamics import inverse_dynamics, robot_from_urdf, sensitivities
-from pa10d.dynamics.derivatives import LANES
+from pa10d.dynamics.lanes import LANES
 
 
 @pytest.mark.parametrize("name", sorted(ALL))

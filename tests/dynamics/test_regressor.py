@@ -46,18 +46,6 @@ def test_agrees_with_pinocchio_per_sample(name, gravity):
                 )
 
 
-@pytest.mark.parametrize("name", sorted(ALL))
-def test_inverse_dynamics_is_pinocchios_rnea(name):
-    robot = robot_from_urdf(ALL[name], gravity=TILTED)
-    q, dq, ddq = states(robot, 20, 4)
-    ours = inverse_dynamics(robot, robot.parameters, q, dq, ddq)
-    model, order = robot.pinocchio()
-    data = model.createData()
-    for s in range(len(q)):
-        theirs = pin.rnea(model, data, q[s][order], dq[s][order], ddq[s][order])
-        np.testing.assert_allclose(ours[s][order], theirs, rtol=1e-10, atol=1e-10)
-
-
 def test_a_subset_of_joints_is_the_arm_with_the_others_locked():
     robot = robot_from_urdf(SERIAL, ["j4", "j1", "j3"])
     whole = robot_from_urdf(SERIAL)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from pa10d.common.urdf_joints import carried_by, followers
 from pa10d.common.urdf_xml import urdf_root
+from pa10d.dynamics.inverse import inverse_dynamics
 from pa10d.dynamics.mass import mass_matrices
-from pa10d.dynamics.regressor import inverse_dynamics
 from pa10d.dynamics.robot import STANDARD_GRAVITY, Robot, robot_from_urdf
 from pa10d.trajectory.limits import POSITION_MARGIN
 from pa10d.trajectory.poses import Surroundings
