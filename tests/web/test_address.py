@@ -83,7 +83,7 @@ def test_an_address_of_what_is_not_there_says_so(archive, visit, address, sectio
     page.goto(f"{archive[0]}/#/{address}")
     message = page.locator("#notices article, #notices .notice", has_text=said)
     message.wait_for()
-    assert page.locator(f"#{section} h1").is_visible()
+    page.locator(f"#{section} h1").wait_for()
     message.get_by_label("Close this message").click()
     page.evaluate("location.hash = '#/compare'")
     page.locator("#compare h1").wait_for()

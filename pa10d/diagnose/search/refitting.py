@@ -85,15 +85,10 @@ def with_springs_followed(best: SearchState, least: float, begun: Array | None) 
 
 def _come_home(state: SearchState, fixed: int) -> None:
     """Refitted, with secants of nonlinear laws taken anew until they are those of their answer, as
-    far as the data can tell: a step that brings little may still be one of many. Springs and gaps
-    have their links thrown about by the loads once per round of all: what a secant moves is less
-    than what the loads do with it, and a link's swing is what takes the time."""
+    far as the data can tell: a step that brings little may still be one of many."""
     for _ in range(HOME_ROUNDS):
         before, moved = state.terms[fixed:], _relinearise(state, fixed)
-        if state.drawn_by_loads:
-            state.refit()
-        else:
-            look_anew(state)
+        look_anew(state)
         if not moved or _unmoved(state, fixed, before):
             return
 
@@ -114,7 +109,7 @@ def _relinearise(state: SearchState, fixed: int) -> bool:
     for index, term in enumerate(state.terms[fixed:], fixed):
         shape = term.effect.relinearised(term.coefficients, term.shape)
         if shape != term.shape:
-            state.replace_term(index, replace(term, shape=shape))
+            state.problem = state.problem.with_term(index, replace(term, shape=shape))
             moved = True
     return moved
 

@@ -13,10 +13,10 @@ STIFFNESS = 0.1, 1e7  # N·m/rad, N/m: a finger's tendon, a large robot's first 
 class JointElasticity(Effect):
     """The gear gives under load like a stiff spring. The link lags behind the motor, where the
     angle is measured, and can swing against it at a frequency of its own. K is the spring's
-    stiffness, C its damping, which as the ratio zeta belongs to the median of the link's inertia
-    over the joints' ranges, not over any one motion; a share near 1 confirms that the lag explains
-    the error. Where a rigid model cannot tell rotor from link (axes that are fixed), the spring
-    can: rotor is the inertia on the motor's side."""
+    stiffness, C its damping, zeta the same as a ratio, at the median of the link's inertia over
+    the joints' ranges; a share near 1 confirms that the lag explains the error. Where a rigid model
+    cannot tell rotor from link (axes that are fixed), the spring can: rotor is the inertia on the
+    motor's side."""
 
     id = "joint_elasticity"
     title = "Joint elasticity"
