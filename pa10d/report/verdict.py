@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pa10d.common.words import listed, percent, times
+from pa10d.common.words import joint_words, listed, percent, times
 from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
 from pa10d.diagnose.outcome.words import none_found, unexplained
 from pa10d.diagnose.unknown.between_runs import Apart
@@ -49,8 +49,7 @@ def answer(found: Diagnosis, sizes: str = "") -> str:
     if found.verdict == "none":
         return none_found(found)
     if found.verdict == "unknown":
-        places = listed([structure_words(s) for s in found.unexplained])
-        return f"{unexplained(found)}: {places}."
+        return f"{unexplained(found)}: {listed(_places(found.unexplained))}."
     came, missing = (
         listed([finding_words(f, found.frozen) for f in found.findings if bool(f.was_there) is it])
         for it in (False, True)
@@ -62,6 +61,16 @@ def answer(found: Diagnosis, sizes: str = "") -> str:
     if found.unexplained:
         text += " Something besides is left that no effect of the library explains."
     return text
+
+
+def _places(all_of_it: Sequence[Unexplained]) -> list[str]:
+    """``structure_words`` of each; joints that say the same between runs say it once."""
+    if all(isinstance(s, Apart) for s in all_of_it):
+        same: dict[str, list[int]] = {}
+        for s in all_of_it:
+            same.setdefault(s.words if isinstance(s, Apart) else "", []).append(s.joint)
+        return [f"{joint_words(joints)} {words}" for words, joints in same.items()]
+    return [structure_words(s) for s in all_of_it]
 
 
 def finding_words(finding: Finding, frozen: bool) -> str:

@@ -83,6 +83,18 @@ def test_what_an_arm_picks_up_on_its_way_is_told_with_the_moment(before, where):
         assert f"a payload came or went {one.at:.1f} s into {where[0]}" in one.words
 
 
+def test_the_moment_is_said_once_for_all_joints_and_what_to_do():
+    runs = recordings(5, lambda t, *moved: more_mass(t, *moved) * (t > MOMENT)[:, None])
+    found = asked(runs)
+    assert found.verdict == "unknown"
+    at = f"{found.contradicted[0].at:.1f} s into fit_a and fit_b"
+    assert f": something came or went {at}" in unexplained(found)
+    said = headline(found)
+    assert said.count("as if a payload came or went") == 1
+    assert f"joints 1 and 2 as if a payload came or went {at}." in said
+    assert any("--leave-out" in line for line in found.warnings)
+
+
 @pytest.mark.parametrize("phi", [0.0, 0.99, 0.9995])
 def test_runs_of_one_arm_do_not_contradict_each_other(phi):
     runs = recordings(41, colour=lambda rng, samples: ar1(rng, samples, phi))

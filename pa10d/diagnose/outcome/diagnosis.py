@@ -229,9 +229,9 @@ class Diagnosis:
         if one.at is not None:
             return (
                 f"no one model of {joints} is right before and after {one.at:.1f} s of "
-                f"{listed(one.runs)}; look what the arm took up or put down then, identify with "
-                "one side of that left out (--leave-out), and ask of the other what has changed "
-                "(frozen)",
+                f"{listed(one.runs)}; look what the arm took up or put down then, and "
+                "identify with one side of that left out (--leave-out); what came or went a run "
+                "tells that has it from its beginning (frozen)",
             )
         return (
             f"the fitted runs ask for different parameters of {joints}, so one model of all of "

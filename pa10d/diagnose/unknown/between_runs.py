@@ -220,7 +220,7 @@ def _tried(
 ) -> Iterator[_Own]:
     """Each that may have changed, in each of these parts of the samples."""
     side = state.train
-    seconds = [_seconds(side, j) for j in range(side.n)]
+    seconds = [seconds_of(side, j) for j in range(side.n)]
     for effect, joints in suspects if parts else ():
         if not all(s.smoothing or s.optional for s in effect.shapes):
             continue  # what has a shape of its own bends to what a model lacks
@@ -290,7 +290,7 @@ def rows_of(side: Side, joint: int, runs: Sequence[str]) -> Array:
     return np.repeat([float(run.name in runs) for run in side.runs], counts)
 
 
-def _seconds(side: Side, joint: int) -> Array:
+def seconds_of(side: Side, joint: int) -> Array:
     """(m_j,) s since its run began."""
     rows = []
     for run, context in zip(side.runs, side.contexts, strict=True):

@@ -27,7 +27,7 @@ from pa10d.diagnose.evidence.errors_of import doubt_of
 from pa10d.diagnose.evidence.held_out import judge
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.diagnose.unknown.between_runs import own_part, rows_of
+from pa10d.diagnose.unknown.between_runs import own_part, rows_of, seconds_of
 from pa10d.regression.per_joint import rms
 
 Array = NDArray[np.float64]
@@ -133,8 +133,6 @@ def _motion(side: Side, joint: int) -> tuple[Array, Array]:
     """(m_j,) s since its run began, and (m_j, 3): which way, how fast, and one."""
     rows = []
     for run, context in zip(side.runs, side.contexts, strict=True):
-        t = context.t[:: run.lowpass.factor] - context.t[0]
         speed = context.dq[:: run.lowpass.factor, joint]
-        rows.append(np.column_stack([t, np.sign(speed), speed, np.ones(len(t))]))
-    found = side.gathered(rows, joint)
-    return found[:, 0], found[:, 1:]
+        rows.append(np.column_stack([np.sign(speed), speed, np.ones(len(speed))]))
+    return seconds_of(side, joint), side.gathered(rows, joint)
