@@ -71,8 +71,17 @@ def test_a_comparison_asked_for_is_not_replaced_by_one_that_opens_by_itself(arch
     ("address", "section", "said"),
     [
         ("models/nope", "models", "This model cannot be shown. model 'nope': none of this name"),
-        ("runs/nope", "runs", "This run cannot be shown. run 'nope': none of this name"),
-        ("investigate/nope", "investigate", "This investigation cannot be shown. investigation"),
+        *(
+            pytest.param(*more, marks=pytest.mark.long)
+            for more in (
+                ("runs/nope", "runs", "This run cannot be shown. run 'nope': none of this name"),
+                (
+                    "investigate/nope",
+                    "investigate",
+                    "This investigation cannot be shown. investigation",
+                ),
+            )
+        ),
         ("foo", "robot", "This section cannot be shown. The page has no section 'foo'"),
     ],
 )

@@ -157,8 +157,7 @@ def lay_a_model_over_a_run(page) -> None:
     ("width", "text"),
     [
         (390, 2),
-        (1360, 2),
-        *(pytest.param(*of, marks=pytest.mark.long) for of in ((390, 1), (1024, 1))),
+        *(pytest.param(*of, marks=pytest.mark.long) for of in ((390, 1), (1024, 1), (1360, 2))),
     ],
 )
 def test_nothing_sticks_out_on_any_screen(archive, visit, width, text):

@@ -22,9 +22,13 @@ RULES = {
 }
 
 
-def broken_rules(page) -> list[str]:
+COLOURED = ("robot", "runs", "models")  # lights, plots and tables: all inks and papers there are
+CONTRAST = {"runOnly": {"type": "rule", "values": ["color-contrast"]}}
+
+
+def broken_rules(page, rules=RULES) -> list[str]:
     """Every rule that an element breaks, one line each."""
-    found = page.evaluate("(rules) => axe.run(document, rules)", RULES)
+    found = page.evaluate("(rules) => axe.run(document, rules)", rules)
     return [
         f"{rule['id']} ({rule['impact']}): {node['html'][:160]}"
         for rule in found["violations"]
@@ -32,8 +36,12 @@ def broken_rules(page) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize(("scheme", "width"), [("light", 1440), ("dark", 390)])
-def test_axe_finds_nothing(archive, visit, scheme, width):
+@pytest.mark.parametrize(
+    ("scheme", "width", "also"),
+    [("dark", 390, "light"), pytest.param("light", 1440, None, marks=pytest.mark.long)],
+)
+def test_axe_finds_nothing(archive, visit, scheme, width, also):
+    """Of another scheme, what depends on it: contrasts."""
     size = {"width": width, "height": 900}
     visitor = visit(archive[0], color_scheme=scheme, viewport=size, bypass_csp=True)
     page = visitor.page
@@ -46,7 +54,12 @@ def test_axe_finds_nothing(archive, visit, scheme, width):
         visitor.until_answered()
         if not page.evaluate("'axe' in window"):
             page.evaluate(AXE)
-        if lines := broken_rules(page):
+        lines = broken_rules(page)
+        if also and section in COLOURED:
+            page.emulate_media(color_scheme=also)
+            lines += broken_rules(page, CONTRAST)
+            page.emulate_media(color_scheme=scheme)
+        if lines:
             wrong[section] = lines
     assert not wrong, "\n".join(
         f"{name}: {line}" for name, lines in wrong.items() for line in lines
@@ -99,7 +112,9 @@ def test_with_text_twice_as_large_every_section_and_stop_are_in_sight(archive, v
     )
 
 
-@pytest.mark.parametrize(("size", "letters"), [("100%", 12), ("200%", 24)])
+@pytest.mark.parametrize(
+    ("size", "letters"), [pytest.param("100%", 12, marks=pytest.mark.long), ("200%", 24)]
+)
 def test_letters_of_plots_grow_with_the_text(archive, visit, size, letters):
     visitor = visit(archive[0], bypass_csp=True)
     page = visitor.page
@@ -148,7 +163,7 @@ def test_tabs_go_by_arrow_keys(archive, visit):
     assert page.evaluate(f"{chosen} === {chosen}.parentElement.firstElementChild")
 
 
-@pytest.mark.parametrize("width", [390, 1440])
+@pytest.mark.parametrize("width", [390, pytest.param(1440, marks=pytest.mark.long)])
 def test_stop_lies_on_top_of_everything_everywhere(archive, visit, width):
     visitor = visit(archive[0], viewport={"width": width, "height": 800})
     page = visitor.page
@@ -196,7 +211,7 @@ def test_the_gains_of_a_joint_are_all_seen_on_a_phone(archive, visit):
     assert table.evaluate("(box) => box.scrollWidth - box.clientWidth") <= 0
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.long)])
 def test_a_table_that_goes_on_beyond_its_box_shows_it(archive, visit, scheme):
     """Another edge than that of a table which ends there: a shadow, until it is scrolled away."""
     visitor = visit(

@@ -28,15 +28,25 @@ SEARCH = {
 }  # fmt: skip
 
 
-@pytest.fixture
-def versions(archive, tmp_path):
-    """A daemon with m0, and m1, in which the first of two findings was added."""
-    data = tmp_path / "data"
+@pytest.fixture(scope="module")
+def served_copy(archive, tmp_path_factory):
+    """A daemon of its own, whose models no other file's tests see: its address and library."""
+    folder = tmp_path_factory.mktemp("versions")
+    data = folder / "data"
     shutil.copytree(archive[1], data, ignore=shutil.ignore_patterns("daemon*", "*.lock", "jobs"))
-    library = open_library(data)
+    with served(data, f"void-{folder.name}") as url:
+        yield url, open_library(data)
+
+
+@pytest.fixture
+def versions(served_copy):
+    """A daemon with m0, and m1, in which the first of two findings was added."""
+    _, library = served_copy
+    for later in ("m2", "m1"):
+        if later in [info.name for info in library.models.all()]:
+            library.models.delete(later)
     _add(library, "m1", "m0", FINDINGS[0])
-    with served(data, f"void-{tmp_path.name[-20:]}") as url:
-        yield url, library
+    return served_copy
 
 
 def _add(library, name, parent, finding):
