@@ -78,6 +78,13 @@ EXPONENT = (
 _Loader.add_implicit_resolver(*EXPONENT)
 
 
+class _CompiledLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+    """The same nodes in a tenth of the time, for what is known to be YAML."""
+
+
+_CompiledLoader.add_implicit_resolver(*EXPONENT)
+
+
 class Trap(yaml.YAMLError):
     """Few bytes that would become very much, or very deep."""
 
@@ -159,9 +166,10 @@ def read_yaml(path: Path) -> YamlFile:
     except UnicodeDecodeError as error:
         raise UserError(f"{path}: byte {error.start + 1} is not UTF-8; expected text") from error
     try:
+        loader: _Loader | _CompiledLoader = _Loader(text)
         with contextlib.suppress(yaml.MarkedYAMLError):  # said below, with its line
             refuse_traps(text)
-        loader = _Loader(text)
+            loader = _CompiledLoader(text)
     except yaml.YAMLError as error:
         what = " ".join(str(error).split())
         raise UserError(f"{path}: {what}; expected plain text") from error

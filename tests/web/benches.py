@@ -15,6 +15,7 @@ from pa10d.profile import find_profile
 
 HIDDEN = {"effect": "stribeck", "joint": 3, "Fs": 4.0, "vs": 0.1}
 """In the third of three joints, which is the fourth of the whole arm."""
+RATE = 250  # Hz: half the cycles to compute, and what a page shows is the same
 
 
 def small_arm(folder: Path, hidden: dict = HIDDEN) -> Path:
@@ -27,6 +28,7 @@ def small_arm(folder: Path, hidden: dict = HIDDEN) -> Path:
         for key in ("joints", "drives", "velocity", "acceleration", "torque"):
             if key in place:
                 place[key] = [place[key][j] for j in chosen]
+    profile["control"]["rate"] = RATE
     profile["simulation"]["options"] = {
         "effects": [hidden], "dynamics": {"spread": 0.2, "seed": 5}, "seed": 3
     }  # fmt: skip
