@@ -101,12 +101,16 @@ def assert_stops(arm: CanopenBackend, driver: Driver) -> None:
 @pytest.mark.parametrize(
     ("kind", "argument", "expected", "text"),
     [
-        (Injection.POWER_LOST, 0, "silent", "no TPDO for 3 cycles"),
+        pytest.param(
+            Injection.POWER_LOST, 0, "silent", "no TPDO for 3 cycles", marks=pytest.mark.long
+        ),
         (Injection.UNPLUGGED, 0, "silent", "no TPDO for 3 cycles"),
-        (Injection.TPDO_MUTE, 1000, "silent", "no TPDO for 3 cycles"),
+        pytest.param(
+            Injection.TPDO_MUTE, 1000, "silent", "no TPDO for 3 cycles", marks=pytest.mark.long
+        ),
         (Injection.TPDO_TWICE, 1000, "repeated_pdo", "twice in 3 cycles"),
         (Injection.TPDO_SHORT, 1, "short_pdo", "6 bytes"),
-        (Injection.EMCY, 0x4210, "emcy", "device too hot"),
+        pytest.param(Injection.EMCY, 0x4210, "emcy", "device too hot", marks=pytest.mark.long),
         (Injection.FAULT, 0x2310, "emcy", "overcurrent"),
         (Injection.FAULT_BIT, 0, "drive_fault", "no EMCY"),
         (Injection.HEARTBEAT_MUTE, 0, "heartbeat_lost", "no heartbeat"),
