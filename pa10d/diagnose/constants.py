@@ -90,6 +90,8 @@ SPRING_STEP = 1.0  # of a logarithm of stiffness or damping, at most
 ROTOR_STEP = 0.3  # of the link's inertia, at most, that goes over to its rotor in such a step: at
 #   0.7 one start of three ends where all of the inertia is rotor
 SPRING_WORTH = 1e-3  # drop of the errors' logarithms, summed over the joints, of a step
+SPRING_ONE = 0.1  # by which stiffnesses differ that a few steps from other bodies come to, if they
+# are one: at most
 SPRING_HOLDS = 2.0  # times as stiff, where a link would run away
 PASSED_SAMPLES = 400  # of a run, that say where a spring may be
 PASSED_ROUNDS = 2  # in which friction and bodies settle behind a spring
@@ -130,6 +132,8 @@ STANDS_IN = 2.0  # times the floor, and structured: what is named there may be a
 STANDS_BESIDE_MORE = 1.5  # the same where it is more than what is named took, structured or not
 COMMON_SHARE = 0.3  # of a joint's squared error that a cause in common has to take
 FORETOLD_MISSED = 0.9  # of what a set foretells: quantities without which as much is, are not told
+UNSURE_FLOOR = 0.2  # relative standard error of a noise floor, from which on it is told with it
+OF_NOISE = 0.5  # of what a finding took, that noise of the angles makes: most of it is no effect
 SHARE_OFF = 4.0  # standard errors by which a torque is more or less than its shape says: one of ten
 # thousand right ones
 OWN_SHARE = 0.3  # of its squared error that an effect's own joint loses where it is told by that

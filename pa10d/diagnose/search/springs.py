@@ -14,6 +14,7 @@ from pa10d.diagnose.constants import (
     FIRM_ZETA,
     MATERIAL_GAIN,
     SPRING_HOLDS,
+    SPRING_ONE,
     SPRING_STEPS,
     SPRINGS_FOLLOWED,
 )
@@ -32,6 +33,7 @@ from pa10d.model import Term
 
 Array = NDArray[np.float64]
 Place = tuple[Effect, tuple[int, ...]]
+Starts = Sequence[tuple[Array, JointSpring]]
 
 
 def promising(state: SearchState, suspects: Sequence[Place], least: float) -> list[Guess]:
@@ -52,7 +54,7 @@ def with_springs(
     """States with one of these springs more; the one that leaves least comes first."""
     places, found = _open(state, suspects), []
     for guess in guessed:
-        new = _with_spring(state, places[guess.joint], _starts(state, guess))
+        new = _with_spring(state, places[guess.joint], *_starts(state, guess))
         found += [] if new is None else [new]
     return [s for _, s in sorted(found, key=lambda pair: pair[0])]
 
@@ -116,36 +118,66 @@ def _there(state: SearchState) -> dict[int, JointSpring]:
     return out
 
 
-def _starts(state: SearchState, guess: Guess) -> list[tuple[Array, JointSpring]]:
-    """Bodies from the torque that passed, those of the robot's file, and the model's own."""
+def _starts(state: SearchState, guess: Guess) -> tuple[Starts, Starts]:
+    """Bodies from the torque that passed, those of the robot's file, and the model's own. How much
+    of an inertia is the rotor's that torque hardly says, and along a stiffness that grows as the
+    rotor gets lighter a fit moves slowly: otherwise it is begun from a lighter one."""
     spring = JointSpring(guess.joint, guess.stiffness, guess.damping, guess.rotor)
     filed = guess.beta.copy()
     filed[: len(state.model.h)] = state.model.base.of(state.model.robot.parameters)
-    return [(beta, spring) for beta in (guess.beta, filed, state.fit.beta)]
+    starts = [(beta, spring) for beta in (guess.beta, filed, state.fit.beta)]
+    stiffer, lighter = SPRING_HOLDS * spring.stiffness, FIRM_ROTOR * spring.rotor
+    other = replace(spring, stiffness=stiffer, rotor=lighter)
+    return starts, [(beta, other) for beta in (guess.beta, filed) if spring.rotor]
 
 
-def _followed(state: SearchState, starts: Sequence[tuple[Array, Springs]]) -> SpringFit | None:
-    """The best end of some steps from each start, and of more from the best. Springs of a start:
-    those that the model has, after one more."""
+def _followed(
+    state: SearchState,
+    starts: Sequence[tuple[Array, Springs]],
+    otherwise: Sequence[tuple[Array, Springs]] = (),
+) -> SpringFit | None:
+    """The best end of some steps from each start, and of more from the best; where a few steps from
+    these do not lead to one spring, also otherwise. Springs of a start: those that the model has,
+    after one more."""
     few, many = SPRING_STEPS
     model = Flexible(state, [s.joint for s in starts[0][1]], list(_there(state)))
-    ends = []
-    for beta, springs in starts:  # where the link would run away, a stiffer gear may hold it
-        first = replace(springs[0], stiffness=SPRING_HOLDS * springs[0].stiffness)
-        ends.append(model.fit(beta, springs, few) or model.fit(beta, (first, *springs[1:]), few))
-    reached = [e for e in ends if e is not None]
-    if not reached:
-        return None
-    best = min(reached, key=lambda e: e.left)
-    return model.fit(best.beta, best.springs, many)
+
+    def begun(kind: Sequence[tuple[Array, Springs]]) -> list[SpringFit]:
+        ends = []
+        for beta, springs in kind:  # where the link would run away, a stiffer gear may hold it
+            first = replace(springs[0], stiffness=SPRING_HOLDS * springs[0].stiffness)
+            held = (first, *springs[1:])
+            ends.append(model.fit(beta, springs, few) or model.fit(beta, held, few))
+        return [e for e in ends if e is not None]
+
+    def ended(reached: Sequence[SpringFit]) -> list[SpringFit]:
+        best = min(reached, key=lambda e: e.left, default=None)
+        end = None if best is None else model.fit(best.beta, best.springs, many)
+        return [] if end is None else [end]
+
+    reached = begun(starts)
+    found = ended(reached)
+    if otherwise and not _one_spring(reached):
+        found += ended(begun(otherwise))
+    return min(found, key=lambda e: e.left, default=None)
+
+
+def _one_spring(reached: Sequence[SpringFit]) -> bool:
+    """Did all that was begun come to one stiffness, as near as a few steps go?"""
+    stiff = [e.springs[0].stiffness for e in reached]
+    return bool(stiff) and max(stiff) < (1.0 + SPRING_ONE) * min(stiff)
 
 
 def _with_spring(
-    state: SearchState, kind: Effect, starts: Sequence[tuple[Array, JointSpring]]
+    state: SearchState, kind: Effect, starts: Starts, otherwise: Starts = ()
 ) -> tuple[float, SearchState] | None:
     """What is left of the fit side, and the state with one more spring beside those it has."""
     there = tuple(_there(state).values())
-    fitted = _followed(state, [(beta, (spring, *there)) for beta, spring in starts])
+    fitted = _followed(
+        state,
+        [(beta, (spring, *there)) for beta, spring in starts],
+        [(beta, (spring, *there)) for beta, spring in otherwise],
+    )
     if fitted is None:
         return None
     out = state.copy()
