@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,23 +11,19 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import Cancelled, UserError
 from pa10d.common.parallel import one_thread
-from pa10d.common.words import from_one, times
+from pa10d.common.words import from_one
 from pa10d.compare.above_band import lines_above_band
 from pa10d.compare.knocks import knocks
 from pa10d.compare.orders import order_spectrum
 from pa10d.compare.places import places
 from pa10d.diagnose.constants import (
-    BEYOND_SLOW_NOISE,
     MATERIAL_REST,
-    SHARE_OFF,
     SIZED_LEVEL,
-    STANDS_BESIDE_MORE,
-    STANDS_IN,
 )
-from pa10d.diagnose.evidence.curves import angles_of, parts_of_curves
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
+from pa10d.diagnose.outcome.doubts import with_doubts
 from pa10d.diagnose.outcome.next_experiment import settle_doubt
-from pa10d.diagnose.outcome.words import helped_most, reason, sentence
+from pa10d.diagnose.outcome.words import reason, sentence
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.bent_laws import bent_laws
@@ -43,6 +39,7 @@ from pa10d.diagnose.search.frozen import (
 )
 from pa10d.diagnose.search.harm import rms
 from pa10d.diagnose.search.judging import JudgedCandidate, Suspects
+from pa10d.diagnose.search.noisy_angles import none_of_noise
 from pa10d.diagnose.search.simpler import simpler_inside
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
@@ -59,7 +56,7 @@ from pa10d.diagnose.unknown.claims import Unnamed
 from pa10d.diagnose.unknown.geometry import Geometry, OtherGeometry, other_geometry
 from pa10d.diagnose.unknown.left_over import left_over, unsaid
 from pa10d.diagnose.unknown.of_joint import KnownBesides
-from pa10d.diagnose.unknown.remaining import Remaining, remaining
+from pa10d.diagnose.unknown.remaining import remaining
 from pa10d.effects import Effect, Value, effect
 from pa10d.judgement import (
     Judgement,
@@ -75,10 +72,6 @@ from pa10d.model import Term, TorqueModel
 from pa10d.model.estimates import no_estimates, not_one
 
 Array = NDArray[np.float64]
-ONE_CURVE = (
-    " It may be no more than a part of one curve over joint {joint}'s angle (a cam, a "
-    "compensator): of what is named there, seen over so few turns, any curve can be put together."
-)
 NOT_ONE = (
     " Not one of its numbers is determined: that something acts like it is all that this data says."
 )
@@ -142,6 +135,7 @@ def diagnose(
     if not frozen:
         needed_without_numbers(search, model, as_given)
         needed_beside_springs(search)
+        none_of_noise(search, model, as_given)
     if only is None:
         search.contest()
     whole = only is None and not frozen
@@ -214,10 +208,7 @@ def diagnose(
         as_given=given_error,
         left=left,
         cutoff=model.cutoff,
-        findings=tuple(
-            _or_geometry(_beside_more(one, lines) if not curve else one, geometry)
-            for one, curve in _of_curves(state, given, findings)
-        ),
+        findings=with_doubts(findings, state, given, lines, over.unexplained, geometry),
         unexplained=over.unexplained,
         remaining=lines,
         model=versions[-1],
@@ -362,14 +353,6 @@ def _geometry(search: Search, given: int, as_given: Judgement) -> Geometry:
     return found
 
 
-def _or_geometry(finding: Finding, geometry: Geometry) -> Finding:
-    """With what would do as well as the finding."""
-    if (finding.term.effect_id, finding.term.joints) not in geometry.as_well:
-        return finding
-    text = f" An arm that is not as its URDF says would do as well: {geometry.words}."
-    return replace(finding, sentence=finding.sentence + text)
-
-
 def _keeps(given: Judgement, search: Search) -> list[int]:
     """Joints that keep materially more than their noise, those that keep most of it first."""
     ratio = rms(search.state.held_residual()) / given.floor.values
@@ -428,74 +411,6 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
         + (NOT_ONE if not_one(term, parameters) else ""),
         certain=judged.certain,
     )
-
-
-def _of_curves(
-    state: SearchState, given: int, findings: Sequence[Finding]
-) -> Iterator[tuple[Finding, bool]]:
-    """With that doubt, and whether they have it, those that may be parts of one curve."""
-    found = list(enumerate(state.terms))[given:]
-    parts = parts_of_curves(found, angles_of(state))
-    for index, finding in enumerate(findings, given):
-        joint = next((j for j, own in parts.items() if index in own), None)
-        text = "" if joint is None else ONE_CURVE.format(joint=joint + 1)
-        yield replace(finding, sentence=finding.sentence + text), joint is not None
-
-
-def _beside_more(finding: Finding, lines: Sequence[Remaining]) -> Finding:
-    """What is named on a joint whose error follows something unnamed, too, may be part of that; so
-    may a law that moves another torque than its own shape says, one that takes less than it leaves,
-    and one that leaves more than slow noise reaches."""
-    j = helped_most(finding.term, finding.rms_before, finding.rms_after)[0]
-    told = lines[j].significant or not _whole(finding)
-    beside = lines[j].ratio > (STANDS_IN if told else BEYOND_SLOW_NOISE)
-    if not (beside or _leaves_more(finding, lines[j])):
-        return replace(finding, sentence=finding.sentence + _of_a_spring(finding))
-    text = (
-        f" Joint {j + 1} still keeps {times(lines[j].ratio)} its noise floor: this may stand in "
-        "for what is missing there."
-    )
-    return replace(finding, sentence=finding.sentence + text)
-
-
-def _of_a_spring(finding: Finding) -> str:
-    """What a spring's own torque says against it: all of the joint's passes through it, whatever
-    the noise. A frame that gives under the arm asks for something like it."""
-    if not finding.term.effect.series_spring:
-        return ""
-    (kind,) = finding.term.effect.coefficients
-    told = finding.parameters.get(kind.name)
-    if told is None:
-        return ""
-    off = abs(told.value - 1.0) > SHARE_OFF * told.std_error_random > 0.0
-    if not off or kind.lower <= told.value <= kind.upper:
-        return ""
-    return (
-        f" Its share of the joint's torque comes out at {told.value:.2g} ± {told.std_error:.1g}, "
-        "and through a spring in the gear all of it passes (1): a frame that gives, or another "
-        "joint's spring, may be behind it."
-    )
-
-
-def _leaves_more(finding: Finding, line: Remaining) -> bool:
-    """Is what remains of a joint material, and, its noise aside, more than the finding took?"""
-    took = finding.rms_before[line.joint] ** 2 - finding.rms_after[line.joint] ** 2
-    return line.ratio > STANDS_BESIDE_MORE and bool(line.rms**2 - line.floor**2 > took)
-
-
-def _whole(finding: Finding) -> bool:
-    """Are coefficients that a shape alone should settle what they can be, and within their own
-    doubt what they should be?"""
-    kinds = zip(finding.term.effect.coefficients, finding.term.coefficients, strict=True)
-    for kind, value in kinds:
-        if not kind.whole_at_one:
-            continue
-        if not kind.lower <= value <= kind.upper:
-            return False
-        told = finding.parameters.get(kind.name)
-        if told is not None and abs(value - 1.0) > SHARE_OFF * told.std_error_random > 0.0:
-            return False
-    return True
 
 
 def sized(model: TorqueModel, index: int) -> bool:

@@ -7,7 +7,8 @@ motion in it, the other the noise of twice differentiated angles), without what 
 the angle (a servo's answer to its encoder's noise, which grows with frequency), is: white noise of
 that strength, behind such smoothing as it shows, would leave so much below (``extrapolated``). The
 last two are lower bounds (noise may be stronger in motion, or at low frequencies), so the larger
-is taken where no motion comes again; but not a standstill whose torque wavers more than the error
+is taken where no motion comes again, with what the angles' noise makes of an inertia (``encoder``);
+but not a standstill whose torque wavers more than the error
 in motion, because then it is creep or braking. And never more than the error itself: friction
 that jumps at a reversal reaches above any cut-off.
 
@@ -37,6 +38,7 @@ from pa10d.regression.equation import motion_band
 Array = NDArray[np.float64]
 
 REPEATS, STANDSTILL, ABOVE = "repeated motion", "standstill", "high frequencies"
+ANGLES = "the angles' noise"
 FEWEST = 50  # samples of a difference
 REST = 1.0  # s of standstill, at least
 WINDOW = 6.0  # periods of the cut-off: of one look at a joint at rest
@@ -48,6 +50,7 @@ NEARLY_WHITE = 0.5  # half-way from the flat spectrum of white noise to a random
 TOP = 0.45  # of the sampling rate: up to where the spectrum is looked at
 WIDEST = 1.0  # relative standard error of a variance, from which on it may as well be nothing
 ANSWERED = 0.5  # of a torque's power, below which most of it is a servo's answer to its encoder
+ALL = 1.2  # times what the angles' noise makes: an error of no more is that, whatever else there is
 COARSE = 4.0  # times the power of rounding below which a spectrum is that of the rounding
 
 
@@ -123,12 +126,27 @@ def _floor(
     if not rest.looks or rest.variance >= left**2 or rest.variance <= 0.0:
         rest = NOTHING
     best = rest if rest.variance > above.variance else above
+    made, doubt = made_by_angles(used, joint)
     if not best.looks:
-        return float("nan"), None, float("nan"), float("inf")
-    found = float(np.sqrt(best.variance))
+        known = made * ALL > left  # else nobody knows what the torque's own noise adds
+        return (min(made, left), ANGLES, doubt, float("inf")) if known else UNKNOWN
+    own = float(np.sqrt(best.variance))
+    found = float(np.hypot(own, made))
     value = min(found, left)
-    error = max(0.5 * value * best.error, found - value)
-    return value, STANDSTILL if best is rest else ABOVE, error, _slow(used, above)
+    error = max(
+        float(np.hypot(0.5 * own**2 * best.error, made * doubt)) / max(found, 1e-300), found - value
+    )
+    method = ANGLES if made > own else STANDSTILL if best is rest else ABOVE
+    return value, method, error, _slow(used, above)
+
+
+def made_by_angles(runs: Sequence[RunResidual], joint: int) -> tuple[float, float]:
+    """N·m RMS that noise of the angles makes of several runs together, and its standard error."""
+    counts = np.array([run.judged[:, joint].sum() for run in runs], dtype=float)
+    values, errors = np.array([[part[joint] for part in run.of_angles] for run in runs]).T
+    share = counts / max(float(counts.sum()), 1.0)
+    value = float(np.sqrt(share @ values**2))
+    return value, float(share @ (values * errors)) / value if value > 0.0 else 0.0
 
 
 def _slow(runs: list[RunResidual], above: _Seen) -> float:

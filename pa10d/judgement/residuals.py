@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.effects import Context
+from pa10d.judgement.encoder import of_angles
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import through_channel
 from pa10d.model import TorqueModel
@@ -31,6 +32,7 @@ class RunResidual:
     counts     (M, n) True where joint i moves, reversals included (there friction models fail),
                away from the run's ends: where an error is looked for
     judged     (M, n) the same clear of reversals: where its size is judged
+    model      that sees it
     rested     joints (0-based) that hardly moved: judged over the whole run instead
     """
 
@@ -43,6 +45,7 @@ class RunResidual:
     counts: Mask
     judged: Mask
     rested: tuple[int, ...]
+    model: TorqueModel
 
     @cached_property
     def error(self) -> Array:
@@ -60,6 +63,12 @@ class RunResidual:
     def raw_judged(self) -> Mask:
         """(N, n): ``judged`` at the raw rate."""
         return self._raw(self.judged)
+
+    @cached_property
+    def of_angles(self) -> tuple[Array, Array]:
+        """(n,) N·m RMS that noise of the angles makes of the error, 0 where it is next to nothing,
+        and standard errors."""
+        return of_angles(self.model, self.seen, self.equation, self.error, self.judged)
 
     def _raw(self, mask: Mask) -> Mask:
         factor = self.equation.lowpass.factor
@@ -98,6 +107,7 @@ def residual_of(model: TorqueModel, equation: RunEquation) -> RunResidual:
         counts=counts,
         judged=clear,
         rested=rested,
+        model=model,
     )
 
 

@@ -1,4 +1,4 @@
-"""Up to which frequency a torque's slope is made by motion, and not by an encoder's noise.
+"""How noisy an encoder is, and up to which frequency motion makes a torque's slope, and not noise.
 
 Steps and noise of an encoder have a flat spectrum, which is seen alone far above the motion. In a
 third derivative, which a delay of a torque of inertia is seen by, it grows with the sixth power of
@@ -8,6 +8,7 @@ frequency. A servo answers noise as it answers motion, with a delay of its own.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 import scipy
@@ -21,6 +22,8 @@ ALONE = (0.12, 0.2)  # of the sampling rate, where nothing of the motion is left
 HIGHEST = (60.0, 96.0)  # Hz at most: a light low-pass of the motion leaves it as it was
 ABOVE = 10.0  # times the noise: what is less is not all motion
 SHARE = 1e-3  # of the motion's third derivative (power), that noise may add
+PARTS = (0.12, 0.2, 0.3, 0.45)  # of the sampling rate: edges of the parts where noise is looked at
+SHORT = 2.0  # s of one segment there
 
 
 def motion_up_to(runs: Sequence[tuple[Array, float]]) -> float:
@@ -33,6 +36,16 @@ def motion_up_to(runs: Sequence[tuple[Array, float]]) -> float:
     with np.errstate(divide="ignore"):
         highest = (7.0 * SHARE * made[moves] / ((2.0 * np.pi) ** 6 * noise[moves])) ** (1.0 / 7.0)
     return float(np.median(highest))
+
+
+def density(q: Array, rate: float) -> tuple[Array, Array]:
+    """(n,) rad²/Hz (one-sided) of the noise of angles (N, n), the least that three parts of the
+    spectrum far above the motion show, and (n,) how unlike these are (ratio of the extremes)."""
+    f, power = scipy.signal.welch(q, rate, nperseg=min(len(q), int(SHORT * rate)), axis=0)
+    edges = pairwise(PARTS)
+    parts = [np.median(power[(f >= low * rate) & (f < high * rate)], axis=0) for low, high in edges]
+    least, most = np.min(parts, axis=0), np.max(parts, axis=0)
+    return least, most / np.maximum(least, 1e-300)
 
 
 def _powers(q: Array, rate: float) -> tuple[Array, Array]:

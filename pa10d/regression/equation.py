@@ -50,6 +50,7 @@ class RunEquation:
     used     (M,) False only where the run is left out, and too near to that
     going    (N, n) 0 where joint i stands, 1 clear of that: its equation is multiplied by it before
              anything is filtered
+    angles   (N, n) as they were measured, of joints whose motion was made of them; nan of others
     shift    s, by which the torque was moved to match the motion
     """
 
@@ -64,6 +65,7 @@ class RunEquation:
     inside: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     used: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     going: Array | None = None
+    angles: Array | None = None
 
     @property
     def rate(self) -> float:
@@ -182,7 +184,8 @@ def prepare(
     """
     rate = recording.rate
     light = Lowpass(len(recording.t), rate, motion_band(rate, cutoff))
-    q, dq, ddq = motion(recording, light, source or velocity_source(recording, cutoff))
+    source = source or velocity_source(recording, cutoff)
+    q, dq, ddq = motion(recording, light, source)
     factor = decimation(rate, cutoff)
     blind = int(np.ceil(MOTION_SETTLES / light.cutoff * rate))
     lowpass = Lowpass(len(recording.t), rate, cutoff, factor, blind=blind, channel=channel)
@@ -217,6 +220,7 @@ def prepare(
         moving,
         inside,
         used,
+        angles=np.where(source.reported, np.nan, recording.q),
     )
     return whole if stands else whole.without_stands(fast)
 

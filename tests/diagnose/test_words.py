@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from pa10d.diagnose.outcome.diagnosis import Finding
+from pa10d.diagnose.outcome.doubts import _beside_more
 from pa10d.diagnose.outcome.words import none_found, nothing, sentence
-from pa10d.diagnose.procedure import _beside_more, sized
+from pa10d.diagnose.procedure import sized
 from pa10d.diagnose.unknown.remaining import Remaining
 from pa10d.effects import Value
 from pa10d.figures.of_diagnosis import shown_joint
