@@ -324,3 +324,11 @@ def test_what_the_fitted_runs_keep_themselves_is_not_for_want_of_motion(fitted, 
     (line,) = remaining(judged(6.0), [None], [], ["N·m"], KnownBesides(undetermined={0: fitted}))
     assert "do not determine the arm for this motion" in line.sentence
     assert ("on the fitted runs themselves it keeps 3.2 times" in line.sentence) == said
+
+
+def test_a_floor_that_is_hardly_known_says_so():
+    left = judged(1.0)
+    unsure = replace(left.floor, errors=0.4 * left.floor.values)
+    (said,) = remaining(replace(left, floor=unsure), [None], [], ["N·m"])
+    assert "(give or take 40 %, from repeated motion)" in said.sentence
+    assert "give or take" not in line(1.0, None).sentence

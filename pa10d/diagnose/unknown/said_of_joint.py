@@ -12,7 +12,13 @@ import numpy as np
 from pa10d.common.words import joint_words, listed, percent, times
 from pa10d.compare.places import Place
 from pa10d.compare.regions import Region
-from pa10d.diagnose.constants import BROKEN_SHARE, CLAIMED_SHARE, MATERIAL_REST, MUCH_WORSE
+from pa10d.diagnose.constants import (
+    BROKEN_SHARE,
+    CLAIMED_SHARE,
+    MATERIAL_REST,
+    MUCH_WORSE,
+    UNSURE_FLOOR,
+)
 from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.claims import Unnamed
 from pa10d.diagnose.unknown.geometry import OtherGeometry
@@ -463,8 +469,14 @@ def _size(one: OfJoint) -> str:
         )
     return (
         f"Joint {one.joint + 1} keeps {one.rms:.3g} {one.unit}, {times(one.ratio)} its noise floor "
-        f"(from {one.source})"
+        f"({_floor_doubt(one)}from {one.source})"
     )
+
+
+def _floor_doubt(one: OfJoint) -> str:
+    """How unsure the floor itself is, where that changes what a ratio to it says."""
+    error = float(one.judged.floor.errors[one.joint]) / one.floor if one.floor > 0.0 else 0.0
+    return f"give or take {100 * error:.0f} %, " if error > UNSURE_FLOOR else ""
 
 
 def _told(place: Place) -> str:
