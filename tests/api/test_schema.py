@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import islice
+
 import pytest
 import requests
 import schemathesis
@@ -35,9 +37,11 @@ class Asked:
         self.wrong: list[str] = []
 
 
-def try_everything(url: str, examples: int) -> Asked:
+def try_everything(url: str, examples: int, every: int = 1) -> Asked:
+    """every: which of the operations, the first and so many further on; their draws cost most."""
     asked = Asked()
-    for found in schemathesis.openapi.from_url(f"{url}/openapi.json").get_all_operations():
+    document = schemathesis.openapi.from_url(f"{url}/openapi.json")
+    for found in islice(document.get_all_operations(), 0, None, every):
         operation = found.ok()
         for mode in MODES:
             asked.wrong += try_operation(operation, mode, examples, asked)
@@ -85,7 +89,7 @@ def attacked(arm):
 
 
 def test_some_requests(attacked):
-    asked = try_everything(attacked.url, 2)
+    asked = try_everything(attacked.url, 2, every=3)
     assert not asked.wrong, "\n\n".join(asked.wrong)
 
 
