@@ -29,28 +29,29 @@ def of_angles(
     model: TorqueModel,
     seen: Context,
     equation: RunEquation,
+    modelled: Array,
     error: Array,
     judged: NDArray[np.bool_],
 ) -> tuple[Array, Array]:
     """(n,) N·m RMS over the samples by which each joint is judged (M, n), 0 where it is next to
     nothing; and standard errors, as far as the noise is not as white as it was taken to be.
 
-    seen: the run's motion as the model sees it, that leaves error (M, n) N·m of it."""
+    seen: the run's motion as the model sees it; modelled: its torque, which leaves error, each
+    (M, n) N·m."""
     n = error.shape[1]
     nothing = np.zeros(n), np.zeros(n)
     if equation.angles is None:
         return nothing
     low, rate = equation.lowpass, equation.lowpass.rate
     level, unlike = density(np.nan_to_num(equation.angles), rate)
-    predicted = low(model.sensed(seen))
-    most = _at_most(level, low.cutoff, seen.ddq, _rms(predicted, judged))
+    most = _at_most(level, low.cutoff, seen.ddq, _rms(modelled, judged))
     if np.all(most <= SLIGHT * _rms(error, judged)):
         return nothing
     light = Lowpass(len(seen.q), rate, motion_band(rate, low.cutoff))
     white = np.random.default_rng(SEED).standard_normal(seen.q.shape)
     q, dq, ddq = light.derivatives(white * np.sqrt(0.5 * rate * level))
     shaken = replace(seen, q=seen.q + q, dq=seen.dq + dq, ddq=seen.ddq + ddq)
-    values = _rms(low(model.sensed(model.contextualise(shaken))) - predicted, judged)
+    values = _rms(low(model.sensed(model.contextualise(shaken))) - modelled, judged)
     doubt = 0.5 * float(np.max(np.log(unlike), where=level > 0.0, initial=0.0))
     return values, doubt * values
 

@@ -68,7 +68,8 @@ class RunResidual:
     def of_angles(self) -> tuple[Array, Array]:
         """(n,) N·m RMS that noise of the angles makes of the error, 0 where it is next to nothing,
         and standard errors."""
-        return of_angles(self.model, self.seen, self.equation, self.error, self.judged)
+        seen, equation = self.seen, self.equation
+        return of_angles(self.model, seen, equation, self.modelled, self.error, self.judged)
 
     def _raw(self, mask: Mask) -> Mask:
         factor = self.equation.lowpass.factor
