@@ -20,6 +20,7 @@ from backends.error_history import DriveErrors, KeepsErrors
 from backends.protocol import Backend, CutsPower, OpensOneByOne
 from pa10d.common.errors import UserError
 from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
+from pa10d.control.carried import carried
 from pa10d.control.faults import WAY_ROUND, Fault, LoopFault, blamed_on_time, fault_from
 from pa10d.control.guard import BackendBroke, asked, read
 from pa10d.control.joint_figures import ROUGH
@@ -512,16 +513,19 @@ class Arm:
             torque = np.where(weight, torque, self._thought())
         self._held_by = q, torque.copy()
         self._by_thought = torque == self._weight(q)
-        gone = self._weight(q) - self._weight(self._stood_at)  # a fall tells of where it began
-        for axis, weighed in self.path.fell.items():
-            self._held_by[1][axis] = weighed.torque + gone[axis]
+        stood, here = self._weight(self._stood_at), self._weight(q)
+        for axis, weighed in self.path.fell.items():  # a fall tells of where it began
+            self._held_by[1][axis] = carried(np.full_like(here, weighed.torque), stood, here)[axis]
             self._by_thought[axis] = False
 
     def _thought(self) -> Array:
         """N·m (n,) by the description, and by what was told beyond that of the pose in which the
         brakes opened, which is near: a joint that fell before has told what it weighs."""
-        near = np.abs(self.path.q - self._stood_at).max() <= CARRIED
-        return self._weight(self.path.q) + (self._told if near else 0.0)
+        here = self._weight(self.path.q)
+        if np.abs(self.path.q - self._stood_at).max() > CARRIED:
+            return here
+        stood = self._weight(self._stood_at)
+        return carried(stood + self._told, stood, here)
 
     def _take_along(self) -> None:
         """A joint that was weighed as it fell went on until its brake held it: what was found
@@ -532,7 +536,7 @@ class Arm:
         there, torque = self._held_by
         here, gone = self._weight(q), self._weight(there)
         if np.abs(q - there).max() <= CARRIED:
-            self._held_by = q, torque + here - gone
+            self._held_by = q, carried(torque, gone, here)
             return
         share = torque / np.where(gone == 0.0, np.inf, gone)  # masses are wrong, wherever it is
         told = ~self._by_thought & (share >= 1.0 / ROUGH) & (share <= ROUGH)
@@ -615,4 +619,4 @@ class Arm:
         there, torque = self._held_by
         if np.abs(q - there).max() > NEAR:
             return gravity
-        return torque + gravity - self._weight(there)
+        return carried(torque, self._weight(there), gravity)
