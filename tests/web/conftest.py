@@ -57,21 +57,19 @@ def arm(browser, tmp_path_factory) -> Iterator[Client]:
 
 
 @pytest.fixture(scope="package")
-def archive(browser, tmp_path_factory, request) -> Iterator[tuple[str, Path]]:
-    """(url, data): a daemon without an arm, with runs of 7 × 15 000 samples (--long: 30 000) and a
-    model."""
-    seconds = 60.0 if request.config.getoption("--long") else 30.0
+def archive(browser, tmp_path_factory) -> Iterator[tuple[str, Path]]:
+    """(url, data): a daemon without an arm, with runs of 7 × 30 000 samples and a model."""
     data = tmp_path_factory.mktemp("archive")
     library = open_library(data)
     profile, robot = load_robot("pa10-sim")
     hidden = [{"effect": "stribeck", "joint": 4, "Fs": 4.0, "vs": 0.1}]
-    runs = make_runs(5, hidden, "white", ("train_a", "valid_a"), profile, seconds=seconds)[0]
+    runs = make_runs(5, hidden, "white", ("train_a", "valid_a"), profile, seconds=60.0)[0]
     for (name, run), tag in zip(runs.items(), ("fit", "judge"), strict=True):
         channels = Channels(joints=robot.joint_names)
         stamps = (run.t * 1e9).round().astype("int64")
         with library.runs.building(name, name, channels, profile, tags=(tag,)) as writer:
             writer.append(Samples(stamps, run.q, run.tau))
-        assert len(run.t) == round(seconds * 500.0)
+        assert len(run.t) >= 30_000
     identify_runs(library, ["train_a"], str(profile.path), name="m0")
     with served(data, f"void-{data.name}") as url:
         yield url, data
