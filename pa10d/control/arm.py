@@ -20,7 +20,7 @@ from backends.error_history import DriveErrors, KeepsErrors
 from backends.protocol import Backend, CutsPower, OpensOneByOne
 from pa10d.common.errors import UserError
 from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
-from pa10d.control.carried import carried
+from pa10d.control.carried import carried, share_of
 from pa10d.control.faults import WAY_ROUND, Fault, LoopFault, blamed_on_time, fault_from
 from pa10d.control.guard import BackendBroke, asked, read
 from pa10d.control.joint_figures import ROUGH
@@ -513,10 +513,11 @@ class Arm:
             torque = np.where(weight, torque, self._thought())
         self._held_by = q, torque.copy()
         self._by_thought = torque == self._weight(q)
-        stood, here = self._weight(self._stood_at), self._weight(q)
-        for axis, weighed in self.path.fell.items():  # a fall tells of where it began
-            self._held_by[1][axis] = carried(np.full_like(here, weighed.torque), stood, here)[axis]
-            self._by_thought[axis] = False
+        fell = list(self.path.fell)
+        told = np.array([self.path.fell[axis].torque for axis in fell])
+        stood, here = self._weight(self._stood_at)[fell], self._weight(q)[fell]
+        self._held_by[1][fell] = carried(told, stood, here)  # a fall tells of where it began
+        self._by_thought[fell] = False
 
     def _thought(self) -> Array:
         """N·m (n,) by the description, and by what was told beyond that of the pose in which the
@@ -538,8 +539,8 @@ class Arm:
         if np.abs(q - there).max() <= CARRIED:
             self._held_by = q, carried(torque, gone, here)
             return
-        share = torque / np.where(gone == 0.0, np.inf, gone)  # masses are wrong, wherever it is
-        told = ~self._by_thought & (share >= 1.0 / ROUGH) & (share <= ROUGH)
+        share, masses = share_of(torque, gone)  # masses are wrong, wherever it is
+        told = ~self._by_thought & masses
         self._held_by, self._by_thought = (q, np.where(told, share * here, here)), ~told
 
     def _switch(self, state: ArmState) -> None:

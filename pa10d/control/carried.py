@@ -19,9 +19,11 @@ def carried(torque: Array, there: Array, here: Array) -> Array:
     """N·m (n,) that hold joints ``here``, where ``torque`` held them ``there``: by the description
     the weights of both poses. A share that no masses explain is none, but something besides the
     weight: then it is as much, wherever the joint is."""
-    share = torque / np.where(there == 0.0, np.inf, there)
-    masses = (share >= 1.0 / ROUGH) & (share <= ROUGH)
+    share, masses = share_of(torque, there)
     return np.where(masses, share * here, torque + (here - there))  # what is described stays so
 
 
-__all__ = ["carried"]
+def share_of(torque: Array, described: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """(n,) how many times what is described, and whether masses explain as much."""
+    share = torque / np.where(described == 0.0, np.inf, described)
+    return share, (share >= 1.0 / ROUGH) & (share <= ROUGH)
