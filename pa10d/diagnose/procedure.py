@@ -16,10 +16,7 @@ from pa10d.compare.above_band import lines_above_band
 from pa10d.compare.knocks import knocks
 from pa10d.compare.orders import order_spectrum
 from pa10d.compare.places import places
-from pa10d.diagnose.constants import (
-    MATERIAL_REST,
-    SIZED_LEVEL,
-)
+from pa10d.diagnose.constants import MATERIAL_REST, SIZED_LEVEL
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
 from pa10d.diagnose.outcome.doubts import with_doubts
 from pa10d.diagnose.outcome.next_experiment import settle_doubt

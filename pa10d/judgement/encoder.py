@@ -43,25 +43,29 @@ def of_angles(
     if equation.angles is None:
         return nothing
     low, rate = equation.lowpass, equation.lowpass.rate
+    band = motion_band(rate, low.cutoff)
     level, unlike = density(np.nan_to_num(equation.angles), rate)
-    most = _at_most(level, low.cutoff, seen.ddq, _rms(modelled, judged))
+    most = _share(level, seen, low.cutoff, band) * _rms(modelled, judged)
     if np.all(most <= SLIGHT * _rms(error, judged)):
         return nothing
-    light = Lowpass(len(seen.q), rate, motion_band(rate, low.cutoff))
     white = np.random.default_rng(SEED).standard_normal(seen.q.shape)
+    light = Lowpass(len(white), rate, band)
     q, dq, ddq = light.derivatives(white * np.sqrt(0.5 * rate * level))
     shaken = replace(seen, q=seen.q + q, dq=seen.dq + dq, ddq=seen.ddq + ddq)
     values = _rms(low(model.sensed(model.contextualise(shaken))) - modelled, judged)
-    doubt = 0.5 * float(np.max(np.log(unlike), where=level > 0.0, initial=0.0))
+    doubt = 0.5 * float(level @ np.log(unlike)) / max(float(level.sum()), 1e-300)
     return values, doubt * values
 
 
-def _at_most(level: Array, cutoff: float, ddq: Array, torque: Array) -> Array:
-    """(n,) N·m, were it inertia alone that made torques as large (n,) with accelerations (N, n) as
-    large. level (n,) rad²/Hz, white up to the cut-off."""
-    noise = np.sqrt(level * (2.0 * np.pi) ** 4 * cutoff**5 / 5.0)  # rad/s²
-    share = noise / np.maximum(np.sqrt(np.mean(ddq**2, axis=0)), 1e-300)
-    return np.asarray(float(share.max()) * torque)
+def _share(level: Array, seen: Context, cutoff: float, band: float) -> float:
+    """About how much of a torque noise of the angles may be, level (n,) rad²/Hz: of what turns
+    masses as much as it is of an acceleration within the equation's band, of what rubs as much as
+    of a speed within the motion's."""
+    speeds = np.sqrt(level * (2.0 * np.pi) ** 2 * band**3 / 3.0)
+    turns = np.sqrt(level * (2.0 * np.pi) ** 4 * cutoff**5 / 5.0)
+    moved = [np.sqrt(np.mean(x**2, axis=0)) for x in (seen.dq, seen.ddq)]
+    shares = [x / np.maximum(m, 1e-300) for x, m in zip((speeds, turns), moved, strict=True)]
+    return float(np.max(shares))
 
 
 def _rms(signals: Array, judged: NDArray[np.bool_]) -> Array:

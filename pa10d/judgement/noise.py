@@ -7,10 +7,10 @@ motion in it, the other the noise of twice differentiated angles), without what 
 the angle (a servo's answer to its encoder's noise, which grows with frequency), is: white noise of
 that strength, behind such smoothing as it shows, would leave so much below (``extrapolated``). The
 last two are lower bounds (noise may be stronger in motion, or at low frequencies), so the larger
-is taken where no motion comes again, with what the angles' noise makes of an inertia (``encoder``);
-but not a standstill whose torque wavers more than the error
-in motion, because then it is creep or braking. And never more than the error itself: friction
-that jumps at a reversal reaches above any cut-off.
+is taken where no motion comes again, and what the angles' noise makes of the torque (``encoder``)
+is added; but not a standstill whose torque wavers more than the error in motion, because then it is
+creep or braking. And never more than the error itself: friction that jumps at a reversal reaches
+above any cut-off.
 
 A spectrum whose smoothing cannot be told shows no noise of the band: one that falls on and on, or
 one whose steps are coarser than what wavers. Then the floor is not known. The torques of one robot
@@ -133,9 +133,8 @@ def _floor(
     own = float(np.sqrt(best.variance))
     found = float(np.hypot(own, made))
     value = min(found, left)
-    error = max(
-        float(np.hypot(0.5 * own**2 * best.error, made * doubt)) / max(found, 1e-300), found - value
-    )
+    unsure = float(np.hypot(0.5 * own**2 * best.error, made * doubt)) / found
+    error = max(unsure, found - value)
     method = ANGLES if made > own else STANDSTILL if best is rest else ABOVE
     return value, method, error, _slow(used, above)
 

@@ -32,8 +32,8 @@ class RunResidual:
     counts     (M, n) True where joint i moves, reversals included (there friction models fail),
                away from the run's ends: where an error is looked for
     judged     (M, n) the same clear of reversals: where its size is judged
-    model      that sees it
     rested     joints (0-based) that hardly moved: judged over the whole run instead
+    model      that sees it
     """
 
     name: str
@@ -68,8 +68,9 @@ class RunResidual:
     def of_angles(self) -> tuple[Array, Array]:
         """(n,) N·m RMS that noise of the angles makes of the error, 0 where it is next to nothing,
         and standard errors."""
-        seen, equation = self.seen, self.equation
-        return of_angles(self.model, seen, equation, self.modelled, self.error, self.judged)
+        return of_angles(
+            self.model, self.seen, self.equation, self.modelled, self.error, self.judged
+        )
 
     def _raw(self, mask: Mask) -> Mask:
         factor = self.equation.lowpass.factor

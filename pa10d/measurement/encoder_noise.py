@@ -39,13 +39,22 @@ def motion_up_to(runs: Sequence[tuple[Array, float]]) -> float:
 
 
 def density(q: Array, rate: float) -> tuple[Array, Array]:
-    """(n,) rad²/Hz (one-sided) of the noise of angles (N, n), the least that three parts of the
-    spectrum far above the motion show, and (n,) how unlike these are (ratio of the extremes)."""
-    f, power = scipy.signal.welch(q, rate, nperseg=min(len(q), int(SHORT * rate)), axis=0)
-    edges = pairwise(PARTS)
-    parts = [np.median(power[(f >= low * rate) & (f < high * rate)], axis=0) for low, high in edges]
+    """(n,) rad²/Hz (one-sided) of the noise of measured angles (N, n), the least that three parts
+    of the spectrum far above the motion show, and (n,) how many times more the most is (1: none).
+
+    Seen in second differences: through the window of a spectrum so much of the motion leaks to the
+    far end that it would be taken for the noise of a fine encoder. A jump counts in its stretch
+    alone, of which the median knows nothing."""
+    twice = np.diff(q, 2, axis=0)
+    length = min(len(twice), int(SHORT * rate))
+    f, power = scipy.signal.welch(twice, rate, nperseg=length, axis=0, average="median")
+    gain = (2.0 * np.sin(np.pi * f / rate)) ** 4
+    parts = []
+    for low, high in pairwise(PARTS):
+        there = (f >= low * rate) & (f < high * rate)
+        parts.append(np.median(power[there] / gain[there, None], axis=0))
     least, most = np.min(parts, axis=0), np.max(parts, axis=0)
-    return least, most / np.maximum(least, 1e-300)
+    return least, np.divide(most, least, out=np.ones_like(least), where=least > 0.0)
 
 
 def _powers(q: Array, rate: float) -> tuple[Array, Array]:

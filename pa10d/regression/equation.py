@@ -50,8 +50,8 @@ class RunEquation:
     used     (M,) False only where the run is left out, and too near to that
     going    (N, n) 0 where joint i stands, 1 clear of that: its equation is multiplied by it before
              anything is filtered
-    angles   (N, n) as they were measured, of joints whose motion was made of them; nan of others
     shift    s, by which the torque was moved to match the motion
+    angles   (N, n) as they were measured, of joints whose motion was made of them; nan of others
     """
 
     name: str

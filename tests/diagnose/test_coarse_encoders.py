@@ -3,19 +3,21 @@ shows, and that effects with the same derivatives take part of, on new data, too
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from two_links import CUTOFF, motion, robot, textbook_torque
 
 from pa10d.diagnose.procedure import diagnose
 from pa10d.identify.procedure import identify
-from pa10d.judgement import judge
+from pa10d.judgement import judge, run_residual
 from pa10d.judgement.noise import ANGLES
 from pa10d.measurement.recording import Recording
 
 
 def recorded(name, seed, step, torque=textbook_torque, noise=0.003):
-    """Angles in steps, rad; torque noise of one N·m RMS times ``noise``."""
+    """step: rad, of all angles; noise: N·m RMS of all torques."""
     rng = np.random.default_rng(seed)
     t, q, dq, ddq = motion(seed)
     tau = torque(q, dq, ddq) + noise * rng.standard_normal(q.shape)
@@ -53,3 +55,30 @@ def test_an_effect_is_seen_beside_the_steps():
 
     found = told(1e-3, sticking)[1]
     assert "stribeck" in {one.term.effect_id for one in found.findings}
+
+
+@pytest.mark.parametrize("of", ["held", "told"])
+def test_a_joint_without_noise_of_its_angle_is_no_reason_to_fail(of):
+    """One that stands behind its brake in the judged run, or whose own velocity is used."""
+    runs = [recorded(name, seed, 1e-3) for seed, name in enumerate("abc", 1)]
+    model = identify(runs[:2], robot(), name="m0", cutoff=CUTOFF)
+    seen = run_residual(model, runs[2])
+    angles = runs[2].q.copy()
+    angles[:, 1] = 0.5 if of == "held" else np.nan
+    made, errors = replace(seen, equation=replace(seen.equation, angles=angles)).of_angles
+    assert made[0] == pytest.approx(seen.of_angles[0][0], rel=0.1)
+    assert made[1] < seen.of_angles[0][1]  # of the other joint's noise alone
+    assert np.all(np.isfinite(errors))
+
+
+def test_what_moves_is_no_noise():
+    """At 50 Hz exact angles had made seven times all that a good model leaves, so that nothing
+    could be missing."""
+    runs = []
+    for seed, name in enumerate("ab", 1):
+        t, q, dq, ddq = (x[::4] for x in motion(seed))
+        noise = 1e-4 * np.random.default_rng(seed).standard_normal(q.shape)
+        runs.append(Recording(name, t, q, textbook_torque(q, dq, ddq) + noise))
+    seen = run_residual(identify(runs[:1], robot(), name="m0", cutoff=6.0), runs[1])
+    left = np.array([np.std(x[on]) for x, on in zip(seen.error.T, seen.judged.T, strict=True)])
+    assert np.all(seen.of_angles[0] < 0.2 * left)

@@ -58,10 +58,11 @@ def _or_one_force(finding: Finding, unexplained: Sequence[Unexplained]) -> Findi
     left on one, a law of the other's angle may be the same thing, seen from there."""
     if not finding.term.effect.follows_angle:
         return finding
-    (joint,) = finding.term.joints
+    own = finding.term.joints
     for one in unexplained:
-        between = {f"q{joint + 1}", f"q{one.joint + 1}"}
-        if isinstance(one, Structure) and one.joint != joint and set(one.variables) == between:
+        if not isinstance(one, Structure) or one.joint in own:
+            continue
+        if set(one.variables) in [{f"q{j + 1}", f"q{one.joint + 1}"} for j in own]:
             text = ONE_FORCE.format(other=one.joint + 1, on=listed(one.variables))
             return replace(finding, sentence=finding.sentence + text)
     return finding

@@ -32,11 +32,10 @@ def none_of_noise(search: Search, given: TorqueModel, as_given: Sequence[RunResi
     while len(search.state.terms) > search.fixed:
         state = search.state
         seen = [held_out(m, state) for m in versions_of(given, state, search.fixed, as_given)]
-        steps = pairwise(seen)
         found = list(enumerate(state.terms))[search.fixed :]
         of_noise = [
             index
-            for (index, term), (before, after) in zip(found, steps, strict=True)
+            for (index, term), (before, after) in zip(found, pairwise(seen), strict=True)
             if _of_noise(term, before, after)
         ]
         if not of_noise:
