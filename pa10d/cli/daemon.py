@@ -198,7 +198,8 @@ def experiment(options: argparse.Namespace) -> Answer:
             lines = [f"{c['level']:7s} {c['sentence']}" for c in found["checks"]]
             return Answer(found, "\n".join(lines), status=0 if found["go"] else 1)
         found = client.experiment(plan=plan, progress=progress_line(), **chosen)
-    for sentence in [*found.get("notes", ()), *found["recommendation"]]:
+    said = [*found.get("notes", ()), *found.get("tuned", ()), *found["recommendation"]]
+    for sentence in said:
         note(sentence)
     return Answer(found, "\n".join(found["runs"]))
 

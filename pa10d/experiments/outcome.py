@@ -21,7 +21,8 @@ class RecordedRun:
 @dataclass
 class Outcome:
     """kind: of the experiment; runs: ids; seconds: of motion; notes: what differs from what was
-    asked for. None: not known yet, or not of this kind.
+    asked for; tuned: what was set of the servo, of which nobody has to do anything. None: not
+    known yet, or not of this kind.
 
     plan, adjusted, analysis and joints are JSON that another process computed, for clients."""
 
@@ -33,6 +34,7 @@ class Outcome:
     seconds: float | None = None
     adjusted: JsonObject | None = None
     notes: list[str] = field(default_factory=list)
+    tuned: list[str] = field(default_factory=list)
     analysis: JsonObject | None = None
     recommendation: list[str] | None = None
     joints: JsonObject | None = None
@@ -40,8 +42,9 @@ class Outcome:
     def document(self) -> JsonObject:
         """For clients: what is known."""
         told = {key: plain(value) for key, value in vars(self).items() if value is not None}
-        if not self.notes:
-            del told["notes"]
+        for unsaid in ("notes", "tuned"):
+            if not told[unsaid]:
+                del told[unsaid]
         if self.plan is not None and self.seconds is not None:
             told.setdefault("adjusted", None)  # it moved as it was asked to
         return told

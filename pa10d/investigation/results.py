@@ -21,13 +21,15 @@ Known = list[float | None]
 @dataclass(frozen=True)
 class StepOutcome:
     """What came of a step. runs, models: ids of what it made; moved: s that the arm moved; result:
-    its figures, JSON as the state keeps them; said: how it ended, in words."""
+    its figures, JSON as the state keeps them; said: how it ended, in words; tuned: what was set
+    of the arm's servo meanwhile, a sentence each, for whoever asks."""
 
     runs: Sequence[str] = ()
     models: Sequence[str] = ()
     moved: float = 0.0
     result: JsonObject = field(default_factory=dict)
     said: str = ""
+    tuned: Sequence[str] = ()
 
 
 @dataclass(frozen=True)

@@ -219,13 +219,15 @@ class Demo(Document):
 
 
 class Step(Document):
-    """One of an investigation. seconds: s of motion that it is expected to take."""
+    """One of an investigation. seconds: s of motion that it is expected to take; tuned: what was
+    set of the arm's servo meanwhile, a sentence each."""
 
     id: str
     kind: Literal["motion", "identify", "compare", "diagnose", "add", "judge", "report"]
     title: str
     status: Literal["waiting", "running", "done", "left_out"]
     said: str
+    tuned: list[str]
     runs: list[str]
     models: list[str]
     moved: float

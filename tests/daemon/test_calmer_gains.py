@@ -119,8 +119,8 @@ def test_calmer_gains_are_tried_said_and_kept(monkeypatch):
     robot, workers, found = measured(monkeypatch, swings=2)
     assert [gains for gains, _ in robot.used] == [0, 1, 2, 2]
     assert robot.used[-1] == (2, True)
-    *calmer, slower = found.notes
-    assert calmer == ["note 1", "note 2"]
+    assert found.tuned == ["note 1", "note 2"]
+    (slower,) = found.notes
     assert slower.startswith("The servo is slower than the 4 Hz asked for")
     assert "(joint 2: 1.5 Hz)" in slower
     assert robot.resets == 2
@@ -132,14 +132,21 @@ def test_calmer_gains_are_tried_said_and_kept(monkeypatch):
 
 def test_of_a_servo_that_nobody_asked_for_it_is_said_that_nothing_is_wrong(monkeypatch):
     _, _, found = measured(monkeypatch, swings=0, bandwidth_hz=None)
-    (slower,) = found.notes
+    (slower,) = found.tuned
     assert slower.startswith("The servo is slower than the usual 4 Hz")
     assert "nothing is wrong with that" in slower
 
 
 def test_a_doubt_that_no_gains_meet_is_said(monkeypatch):
     _, _, found = measured(monkeypatch, swings=1, unmet=["joint 2 from 0.5 on"])
-    assert found.notes[:2] == ["joint 2 from 0.5 on", "note 1"]
+    assert found.tuned[:2] == ["joint 2 from 0.5 on", "note 1"]
+
+
+def test_where_nobody_has_to_do_anything_the_notes_say_nothing_of_gains(monkeypatch):
+    unmet = ["joint 2 from 0.5 on"]
+    _, _, found = measured(monkeypatch, swings=2, unmet=unmet, bandwidth_hz=None)
+    assert found.notes == []
+    assert len(found.tuned) == 4
 
 
 @pytest.mark.parametrize(("swings", "calmest"), [(99, 99), (99, 1)])
@@ -161,7 +168,7 @@ def test_another_fault_is_not_tried_again(monkeypatch):
 def test_a_joint_that_falls_behind_is_tried_again_or_the_way_out_is_said(monkeypatch):
     behind = replace(FAULT, kind="following_error", cause="is 0.15 rad from where it should be")
     robot, _, found = measured(monkeypatch, 1, fault=behind)
-    assert found.notes[0] == "note 1"
+    assert found.tuned[0] == "note 1"
     assert robot.resets == 1
     robot, workers, found = measured(monkeypatch, 1, calmest=0, fault=behind)
     assert str(found).startswith("joint 2: is 0.15 rad from where it should be; its servo is as ")

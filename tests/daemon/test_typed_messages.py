@@ -29,7 +29,7 @@ def test_an_outcome_tells_what_is_known_of_it():
         {"level": "ok", "subject": "bus", "sentence": "fits", "joint": 2, "time": None}
     ]
     assert said["recommendation"] == []
-    assert not {"notes", "adjusted"} & said.keys()
+    assert not {"notes", "tuned", "adjusted"} & said.keys()
     found.plan, found.seconds = {}, 2.0
     assert found.document()["adjusted"] is None, "it moved as it was asked to"
     said = found.document()

@@ -29,6 +29,7 @@ class PaperDaemon:
         self.robot = SimpleNamespace(state="inactive", stops=Stops())
         self.carried_out = []
         self.bars = []  # what the pre-check of the next motions raises
+        self.notes, self.tuned = [], []  # of each motion
 
     async def compute_now(self, task, progress, investigation, step):
         assert task == "investigation_step"
@@ -56,7 +57,8 @@ class PaperDaemon:
                 daemon.carried_out.append((request.kind, tuple(request.tags)))
                 runs = [f"r{len(daemon.carried_out)}"]
                 told = [RecordedRun(runs[0], runs[0], "success", 9.0)]
-                return Outcome(request.kind, runs, told, seconds=9.0)
+                notes, tuned = daemon.notes, daemon.tuned
+                return Outcome(request.kind, runs, told, seconds=9.0, notes=notes, tuned=tuned)
 
         return Experiment()
 
@@ -94,6 +96,16 @@ def test_to_its_end(tmp_path, carry):
     assert ("excitation", ("fit", "look")) in daemon.carried_out
     assert found["moved_seconds"] == pytest.approx(6 * 9.0)
     assert found["models"] == ["m0", "m1"]
+
+
+def test_what_was_set_of_the_servo_is_kept_beside_what_is_said(tmp_path, carry):
+    """Nobody has to do anything about it; the story is told without it."""
+    daemon = PaperDaemon(tmp_path)
+    daemon.notes, daemon.tuned = ["run at half the speed"], ["gains twice as firm were set"]
+    step = next(s for s in carry(daemon)["steps"] if s["kind"] == "motion")
+    assert step["said"].endswith(" Run at half the speed.")
+    assert "gains" not in step["said"]
+    assert step["tuned"] == ["Gains twice as firm were set."]
 
 
 def fails_once(at, error):

@@ -264,7 +264,8 @@ class Experiment:
         )
         if kept is None:
             return False
-        self.result.notes.append(kept["note"])
+        self.result.tuned.append(kept["note"])
+        log.warning("joint %s swung: it is held more calmly, and tried again", fault.joint)
         measured = MeasuredJoints.from_document(kept)
         await robot.reset()
         await robot.use_gains(measured.known.gains, keep=True, felt=measured.known.felt)

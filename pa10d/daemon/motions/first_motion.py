@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
@@ -33,7 +34,10 @@ TRIES = 5  # of one joint: with calmer gains where it swings, firmer ones where 
 STILL = {"oscillation": STILL_SWINGS, "following_error": STILL_FALLS}
 SKIPPED = "measured on {}, and neither profile nor URDF has changed since: nothing to do"
 
+AGAIN = "has shown how it is to be held: it is tried again by itself"
 SLOWED = "joint {} fell behind: strokes at {:g} of their speed, and it is tried again"
+
+log = logging.getLogger("pa10d.experiment")
 
 
 class FirstMotion:
@@ -70,7 +74,7 @@ class FirstMotion:
         begin = await self._ask("parts_to_run", parameters=self._request.parameters, at=at)
         self._before = PidGains.from_document(begin["before"])
         known = KnownJoints.from_document(begin["begin"])
-        self.result.notes += begin["notes"]
+        self.result.tuned += begin["notes"]
         runs: dict[str, str] = {}
         before = 0.0
         for name in begin["parts"]:
@@ -87,7 +91,7 @@ class FirstMotion:
         self.result.joints, self.result.recommendation = made, list(kept.known.sentences)
         usual = self._daemon.profile.control.bandwidth_hz is None
         if (slower := lowered(kept.known.asked, kept.known.bandwidth.tolist(), usual)) is not None:
-            self.result.notes.append(slower)
+            (self.result.tuned if usual else self.result.notes).append(slower)
         return self.result
 
     async def _run(
@@ -142,7 +146,8 @@ class FirstMotion:
         calmer = await self._ask("calmer", **told)
         if calmer is None:
             return None
-        self.result.notes.append(calmer["note"])
+        self.result.tuned.append(calmer["note"])
+        log.warning("joint %s %s", fault.joint, AGAIN)
         return KnownJoints.from_document(calmer)
 
     async def _slower(

@@ -124,7 +124,9 @@ class _Carrier:
         advice = found.recommendation or [""]
         said = f"Recorded {', '.join(names)}." if names else advice[0]
         moved, words = found.seconds or 0.0, " ".join([said, *map(sentence, found.notes)])
-        course.done(state, step, StepOutcome(runs=found.runs, moved=moved, said=words))
+        tuned = [*map(sentence, found.tuned)]
+        done = StepOutcome(runs=found.runs, moved=moved, said=words, tuned=tuned)
+        course.done(state, step, done)
 
     def _told(self, state: Investigation, step: Step) -> Progress:
         """The job's progress by the steps that are over; its message begins with this one's id."""

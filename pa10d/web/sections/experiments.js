@@ -115,6 +115,7 @@ async function follow(job, outcome) {
       fill(outcome, el("div", { class: "panel" }, el("h2", {}, "What came out"), found.map((one) => [
         el("p", {}, el("b", {}, one.recorded.map((run) => run.name).join(", ")), ` (${titled(one.kind)})`),
         (one.notes ?? []).map((note) => el("p", { class: "warn" }, note)),
+        (one.tuned ?? []).map((line) => el("p", { class: "muted" }, line)),
         el("ul", {}, one.recommendation.map((sentence) => el("li", {}, sentence))),
       ])));
     },
