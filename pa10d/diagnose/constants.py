@@ -85,6 +85,8 @@ OWN_LEVEL = 0.01  # χ² of a frozen model's coefficients: so seldom it would be
 OWN_ROUNDS, OWN_STEP = 6, 1.05  # in which it is held back to that, each a little farther than asked
 AT_HOME = 0.05  # standard errors of the noise: what a round moves less is there
 SPRINGS_FOLLOWED = 2  # joints whose springs are sought together with the bodies, of all guesses
+SPRING_NEARLY = 0.5  # of what the best guess promises: one that promises as much is followed, too,
+#   where those leave more than noise; a guess may be off by as much
 SPRING_STEPS = (3, 20)  # of Gauss and Newton's, from each start and from the best of them
 SPRING_STEP = 1.0  # of a logarithm of stiffness or damping, at most
 ROTOR_STEP = 0.3  # of the link's inertia, at most, that goes over to its rotor in such a step: at

@@ -118,7 +118,13 @@ def diagnose(
     if frozen:
         state = kept_as_it_was(state, model, given_error)
         asked = [one for one in asked if only or not always_lacked(*one, model, given_error)]
-    search = Search(state, asked, given, progress=lambda share, what: say(0.1 + 0.7 * share, what))
+    search = Search(
+        state,
+        asked,
+        given,
+        given_error.floor.values,
+        progress=lambda share, what: say(0.1 + 0.7 * share, what),
+    )
     search.run(steps)
     more = steps is None or len(search.steps) < steps
     if not frozen and more and search.swinging(_keeps(given_error, search)):

@@ -331,4 +331,16 @@ def test_a_floor_that_is_hardly_known_says_so():
     unsure = replace(left.floor, errors=0.4 * left.floor.values)
     (said,) = remaining(replace(left, floor=unsure), [None], [], ["N·m"])
     assert "(give or take 40 %, from repeated motion)" in said.sentence
+    assert said.sentence.endswith(": explained to the floor, as far as that is known.")
     assert "give or take" not in line(1.0, None).sentence
+    assert line(1.0, None).sentence.endswith(": explained to the floor.")
+
+
+def test_a_floor_that_is_not_known_at_all_asks_for_a_repeat():
+    """ "Explained to the floor" was said of a floor of 0.1 N·m, give or take 200 %."""
+    left = judged(1.0, source="high frequencies")
+    guessed = replace(left.floor, errors=2.0 * left.floor.values)
+    (said,) = remaining(replace(left, floor=guessed), [None], [], ["N·m"])
+    assert said.sentence.endswith(
+        "as far as that is known. Record one motion twice: what comes again is no noise."
+    )

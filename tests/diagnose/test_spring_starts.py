@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from pa10d.diagnose.regression.flexible import JointSpring
+from pa10d.diagnose.regression.passed import Guess
 from pa10d.diagnose.search import springs
 
 
@@ -61,3 +62,47 @@ def test_one_end_of_all_is_enough(monkeypatch):
     found = springs._followed(None, begun(721.0, 722.0), begun(1443.0))
     assert found.springs[0].stiffness == 735.0
     assert 1443.0 not in Valley.asked
+
+
+@dataclass(frozen=True)
+class Left:
+    """A state that leaves so many N·m on its two joints."""
+
+    joint: int
+    left: float
+    frozen: bool = False
+
+    def held_residual(self):
+        return dict.fromkeys(range(2), np.full(4, self.left))
+
+
+def joints_followed(monkeypatch, left: dict[int, float], gains: dict[int, float], floor):
+    """The order of the states and the joints that were followed, of guesses with these gains."""
+    monkeypatch.setattr(springs, "_open", lambda state, suspects: dict.fromkeys(left))
+    monkeypatch.setattr(springs, "_starts", lambda state, guess: (guess.joint,))
+    monkeypatch.setattr(
+        springs, "_with_spring", lambda state, kind, joint: (left[joint], Left(joint, left[joint]))
+    )
+    guessed = [
+        Guess(j, 1.0, 1.0, 0.0, np.zeros(1), gain, 0.5)
+        for j, gain in sorted(gains.items(), key=lambda pair: -pair[1])
+    ]
+    states, followed = springs.with_springs(None, (), guessed, floor)
+    return [s.joint for s in states], followed
+
+
+FLOOR = np.full(2, 0.1)
+GAINS = {1: 8966.0, 4: 7547.0, 2: 5765.0, 3: 423.0}
+
+
+def test_a_spring_that_promises_nearly_as_much_is_followed_where_the_best_leaves_more(monkeypatch):
+    """Promised third, and right: joint 2 was named, at twice its floor."""
+    left = {1: 0.2, 4: 0.5, 2: 0.1, 3: 0.6}
+    assert joints_followed(monkeypatch, left, GAINS, FLOOR) == ([2, 1, 4], {1, 4, 2})
+
+
+def test_two_are_followed_where_one_of_them_leaves_noise(monkeypatch):
+    left = {1: 0.1, 4: 0.5, 2: 0.1, 3: 0.6}
+    assert joints_followed(monkeypatch, left, GAINS, FLOOR) == ([1, 4], {1, 4})
+    unknown = joints_followed(monkeypatch, left, GAINS, np.full(2, np.nan))
+    assert unknown == ([1, 4], {1, 4})  # nothing says that more is left

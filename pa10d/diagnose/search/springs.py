@@ -13,7 +13,9 @@ from pa10d.diagnose.constants import (
     FIRM_ROTOR,
     FIRM_ZETA,
     MATERIAL_GAIN,
+    MATERIAL_REST,
     SPRING_HOLDS,
+    SPRING_NEARLY,
     SPRING_ONE,
     SPRING_STEPS,
     SPRINGS_FOLLOWED,
@@ -27,6 +29,7 @@ from pa10d.diagnose.regression.flexible import (
 )
 from pa10d.diagnose.regression.passed import Guess, guesses
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.harm import rms
 from pa10d.effects import Effect
 from pa10d.effects.rotor import typical_link
 from pa10d.model import Term
@@ -38,25 +41,37 @@ Starts = Sequence[tuple[Array, JointSpring]]
 
 def promising(state: SearchState, suspects: Sequence[Place], least: float) -> list[Guess]:
     """The joints where one spring more promises to take more than ``least`` (weighted squared error
-    of the fit side), as many as are followed."""
+    of the fit side)."""
     places = _open(state, suspects)
     if not places or state.frozen:
         return []
-    likely = [
-        g for g in guesses(state, sorted(places)) if g.gain > least and g.drop > MATERIAL_GAIN
-    ]
-    return likely[:SPRINGS_FOLLOWED]
+    return [g for g in guesses(state, sorted(places)) if g.gain > least and g.drop > MATERIAL_GAIN]
 
 
 def with_springs(
-    state: SearchState, suspects: Sequence[Place], guessed: Sequence[Guess]
-) -> list[SearchState]:
-    """States with one of these springs more; the one that leaves least comes first."""
-    places, found = _open(state, suspects), []
+    state: SearchState, suspects: Sequence[Place], guessed: Sequence[Guess], floor: Array | None
+) -> tuple[list[SearchState], set[int]]:
+    """States with one of these springs more, of which the one that leaves least comes first; and
+    the joints that were followed: those that promise most, and all that promise nearly as much
+    as long as what was found leaves more than the noise (floor, (n,) N·m, where it is known)."""
+    places, followed = _open(state, suspects), set[int]()
+    found: list[tuple[float, SearchState]] = []
     for guess in guessed:
+        if len(followed) >= SPRINGS_FOLLOWED and (
+            guess.gain < SPRING_NEARLY * guessed[0].gain
+            or any(_at_noise(new, floor) for _, new in found)
+        ):
+            break
+        followed.add(guess.joint)
         new = _with_spring(state, places[guess.joint], *_starts(state, guess))
         found += [] if new is None else [new]
-    return [s for _, s in sorted(found, key=lambda pair: pair[0])]
+    return [s for _, s in sorted(found, key=lambda pair: pair[0])], followed
+
+
+def _at_noise(state: SearchState, floor: Array | None) -> bool:
+    """Does no joint keep materially more than its noise? Of noise that is not known none does."""
+    left = rms(state.held_residual())
+    return floor is None or not np.any(left > MATERIAL_REST * floor)
 
 
 def _open(state: SearchState, suspects: Sequence[Place]) -> dict[int, Effect]:

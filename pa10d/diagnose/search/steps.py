@@ -58,6 +58,7 @@ class Search:
     state: SearchState
     suspects: Suspects
     fixed: int
+    floor: Array | None = None  # (n,) N·m of the held-out side; nan where it is not known
     steps: list[Addition] = field(default_factory=list)
     rival_gains: dict[int, Structure] = field(default_factory=dict)  # by joint: leave less alone
     outdone: dict[int, tuple[tuple[str, ...], float]] = field(default_factory=dict)  # see contest
@@ -267,10 +268,12 @@ class Search:
         most = max((j.candidate.gain for j in good), default=LEAST_GAIN)
         guessed = promising(self.state, self.suspects, most)
         if good:  # the rest comes first; in the end all are followed once more
-            guessed = [g for g in guessed if g.joint not in self.followed]
-        found = self._best_of(with_springs(self.state, self.suspects, guessed), most)
-        self.followed |= {g.joint for g in guessed}
-        return found
+            first = {g.joint for g in guessed[:SPRINGS_FOLLOWED]}
+            fresh = [g for g in guessed if g.joint not in self.followed]
+            guessed = [] if first <= self.followed else fresh
+        states, followed = with_springs(self.state, self.suspects, guessed, self.floor)
+        self.followed |= followed
+        return self._best_of(states, most)
 
     def swinging(self, joints: Sequence[int]) -> bool:
         """Add the spring of the first of these joints whose link swings by itself, at its own mode

@@ -180,7 +180,7 @@ def _comes_again(one: OfJoint) -> str:
 def _nothing_claimed(one: OfJoint) -> str:
     place = one.place
     if one.material is False:
-        return ": explained to the floor"
+        return _explained(one)
     if not one.known.searched:
         return "; what it depends on was not looked for"
     if one.knocked:
@@ -207,6 +207,15 @@ def _nothing_claimed(one: OfJoint) -> str:
         else "what the library has not, or slow noise that was larger there"
     )
     return f"; {_told(place)}: {why}. {ASK_AGAIN}"
+
+
+def _explained(one: OfJoint) -> str:
+    """No more than a floor is said of what is left than is known of that floor."""
+    unsure = _floor_error(one)
+    if unsure <= UNSURE_FLOOR:
+        return ": explained to the floor"
+    text = ": explained to the floor, as far as that is known"
+    return text if unsure < 1.0 or one.source == REPEATS else f"{text}. {ASK_AGAIN}"
 
 
 RULES: tuple[Callable[[OfJoint], str], ...] = (
@@ -475,8 +484,13 @@ def _size(one: OfJoint) -> str:
 
 def _floor_doubt(one: OfJoint) -> str:
     """How unsure the floor itself is, where that changes what a ratio to it says."""
-    error = float(one.judged.floor.errors[one.joint]) / one.floor if one.floor > 0.0 else 0.0
+    error = _floor_error(one)
     return f"give or take {100 * error:.0f} %, " if error > UNSURE_FLOOR else ""
+
+
+def _floor_error(one: OfJoint) -> float:
+    """Relative standard error; zero where nothing is known of a floor."""
+    return float(one.judged.floor.errors[one.joint]) / one.floor if one.floor > 0.0 else 0.0
 
 
 def _told(place: Place) -> str:
