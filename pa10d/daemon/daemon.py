@@ -100,6 +100,7 @@ class Daemon:
         self._changing = asyncio.Lock()  # the profile, or the virtual arm
         self.night = Night(secret if self.simulator is not None else None, data)
         self._tasks: list[asyncio.Task[None]] = []
+        self._eyes_open = False
         self._ending: asyncio.Future[None] | None = None
 
     def measured_joints(self) -> MeasuredJoints | None:
@@ -134,9 +135,6 @@ class Daemon:
             loop.create_task(self._provide_bus()),
             loop.create_task(self._look_after_the_arm()),
             loop.create_task(self.telemetry.run()),
-            loop.create_task(self.workers.warm_up()),
-            loop.create_task(self.desk.warm_up()),
-            loop.create_task(self._open_eyes()),
             loop.create_task(self._judge_weighings()),
             loop.create_task(_feed_watchdog()),
         ]
@@ -249,8 +247,13 @@ class Daemon:
             await self.robot.connect()
             await self.robot.until("inactive", "fault", timeout=CONNECTED)
 
-    async def _open_eyes(self) -> None:
-        """Have the viewer's libraries loaded before somebody looks."""
+    def open_eyes(self) -> None:
+        """Somebody has opened the page: have the viewer's libraries loaded before they look."""
+        if not self._eyes_open:
+            self._eyes_open = True
+            self._tasks.append(asyncio.get_running_loop().create_task(self._warm_up_viewer()))
+
+    async def _warm_up_viewer(self) -> None:
         with contextlib.suppress(TaskFailed, UserError, Crowded):
             await self.viewer.run("pa10d.services.plots:warm_up", lambda *_: None)
 

@@ -234,3 +234,23 @@ def test_work_on_the_shelf_that_fails_says_so():
         shelf.close()
 
     asyncio.run(main())
+
+
+def test_what_draws_is_begun_once_somebody_opens_the_page(asked, monkeypatch):
+    """A second of computing that a daemon which only moves an arm never needs."""
+    begun = []
+
+    async def run(_self, call, _progress, **_more):
+        begun.append(call)
+
+    monkeypatch.setattr("pa10d.daemon.processes.workers.Workers.run", run)
+
+    async def scenario(http, daemon, control):
+        await http.get("/api/v1/robot")
+        assert begun == []
+        for _ in range(2):
+            assert (await http.get("/")).status_code == 200
+            await asyncio.sleep(0.01)
+        assert begun == ["pa10d.services.plots:warm_up"]
+
+    asked(scenario)

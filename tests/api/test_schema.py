@@ -89,7 +89,7 @@ def attacked(arm):
 
 
 def test_some_requests(attacked):
-    asked = try_everything(attacked.url, 2, every=3)
+    asked = try_everything(attacked.url, 2, every=6)
     assert not asked.wrong, "\n\n".join(asked.wrong)
 
 

@@ -17,6 +17,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import httpx
+import psutil
 import pytest
 from fastapi import FastAPI
 from fastapi.responses import FileResponse
@@ -173,6 +174,8 @@ def test_a_daemon_whose_files_are_used_up_lives_and_says_so_once(tmp_path):
         )  # fmt: skip
     try:
         url = httpx.URL(json.loads(daemon.stdout.readline())["url"])
+        begun = [child.cmdline() for child in psutil.Process(daemon.pid).children()]
+        assert not any("pa10d.daemon.processes.worker" in words for words in begun), "no job yet"
         open_now = max(map(int, os.listdir(f"/proc/{daemon.pid}/fd"))) + 1
         limits = resource.prlimit(daemon.pid, resource.RLIMIT_NOFILE)
         resource.prlimit(daemon.pid, resource.RLIMIT_NOFILE, (open_now, limits[1]))

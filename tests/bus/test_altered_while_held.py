@@ -43,7 +43,14 @@ def written(other, axis: int, index: int, value: int, size: int, sub: int = 0) -
         (0x607E, 0, 0x40, 1, "Polarity (0x607E) is 64 (0x40), it was 0 (0x0)"),
         pytest.param(0x60B0, 0, 7, 4, "Position offset (0x60B0) is 7", marks=pytest.mark.long),
         pytest.param(0x60B1, 0, 7, 4, "Velocity offset (0x60B1) is 7", marks=pytest.mark.long),
-        (0x60B2, 0, 3, 2, "Torque offset (0x60B2) is 3 (0x3), it was 0 (0x0)"),
+        pytest.param(
+            0x60B2,
+            0,
+            3,
+            2,
+            "Torque offset (0x60B2) is 3 (0x3), it was 0 (0x0)",
+            marks=pytest.mark.long,
+        ),
         (0x1400, 2, 3, 1, "RPDO 1 (0x1400:2) is 3 (0x3), it was 1 (0x1)"),
     ],
 )

@@ -50,7 +50,14 @@ def sequence_of(bus: VirtualBus, node: int) -> list[str]:
     return [word for k, word in enumerate(said) if k == 0 or word != said[k - 1]]
 
 
-@pytest.mark.parametrize("ends", ["disable", "quick stop", "close", "fault"])
+@pytest.mark.parametrize(
+    "ends",
+    [
+        "disable",
+        *(pytest.param(end, marks=pytest.mark.long) for end in ("quick stop", "close")),
+        "fault",
+    ],
+)
 def test_the_output_follows_the_power(tmp_path: Path, ends: str) -> None:
     profile = make_profile(tmp_path, 2)
     with virtual_arm(profile), VirtualBus(profile.can.channel) as spy:
@@ -120,7 +127,9 @@ def test_an_output_that_the_drive_refuses_is_a_fault(tmp_path: Path) -> None:
         assert "`brake_output`" in (Path(__file__).parents[2] / "docs" / "faults.md").read_text()
 
 
-@pytest.mark.parametrize("ends", ["quick stop", "fault", "refused quick stop"])
+@pytest.mark.parametrize(
+    "ends", [pytest.param("quick stop", marks=pytest.mark.long), "fault", "refused quick stop"]
+)
 def test_nothing_falls_before_a_brake_that_only_we_close(tmp_path: Path, ends: str) -> None:
     """The pendulum is held at 0.8 rad against gravity; its drive does not close the brake."""
     settings: dict[str, Any] = {}

@@ -129,7 +129,14 @@ def test_a_drive_in_trouble(
         assert_stops(arm, driver)
 
 
-@pytest.mark.parametrize("kind", [Injection.TPDO_LATE, Injection.TPDO_MUTE, Injection.TPDO_TWICE])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        pytest.param(Injection.TPDO_LATE, marks=pytest.mark.long),
+        Injection.TPDO_MUTE,
+        pytest.param(Injection.TPDO_TWICE, marks=pytest.mark.long),
+    ],
+)
 def test_one_stray_pdo_is_counted_and_forgiven(profile: Profile, kind: Injection) -> None:
     with running(profile) as (arm, driver, other):
         other.inject(0, kind, 1)

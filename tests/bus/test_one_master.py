@@ -120,9 +120,9 @@ def sent_all_the_time(profile: Profile, packet: bytes) -> Iterator[None]:
     ("packet", "text"),
     [
         (frame(0x80), r"SYNC \(0x080\)"),
-        (frame(0, bytes([2, 99])), r"NMT commands \(0x000\)"),
+        pytest.param(frame(0, bytes([2, 99])), r"NMT commands \(0x000\)", marks=pytest.mark.long),
         (frame(0x20B, bytes(4)), r"commands to node 11 \(0x20B\)"),
-        (frame(0x77F, b"\x05"), "heartbeat of node 127"),
+        pytest.param(frame(0x77F, b"\x05"), "heartbeat of node 127", marks=pytest.mark.long),
     ],
 )
 def test_a_master_elsewhere_on_the_wire(profile: Profile, packet: bytes, text: str) -> None:

@@ -98,7 +98,10 @@ def test_identity_is_compared() -> None:
         configure(node, other)
 
 
-@pytest.mark.parametrize(("eds", "rated"), [(EPOS4, EPOS4_RATED), (EROB, 1.0), (GENERIC, 1.0)])
+@pytest.mark.parametrize(
+    ("eds", "rated"),
+    [(EPOS4, EPOS4_RATED), pytest.param(EROB, 1.0, marks=pytest.mark.long), (GENERIC, 1.0)],
+)
 def test_a_virtual_drive_with_a_real_dictionary_lives(
     tmp_path: Path, eds: Path, rated: float
 ) -> None:

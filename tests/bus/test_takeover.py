@@ -75,7 +75,7 @@ def test_one_refused_joint_is_named_as_ever(profile: Profile) -> None:
     assert caught.value.axis == 2
 
 
-@pytest.mark.parametrize("shown", ["fast", "slow"])
+@pytest.mark.parametrize("shown", ["fast", pytest.param("slow", marks=pytest.mark.long)])
 def test_a_changed_mode_is_seen_while_it_moves(profile: Profile, shown: str) -> None:
     """At once by bit 12; where a drive has none, by the mode that it shows."""
     with running(profile) as (arm, driver, other):

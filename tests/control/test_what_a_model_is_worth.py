@@ -43,13 +43,20 @@ def robot(profile):
 
 
 @pytest.fixture(scope="module")
-def models(robot):
-    """Fitted to other motions of an arm with masses of its own: the textbook's, and with the
-    effect."""
-    found, _ = make_runs(SEED, HIDDEN, kinds=("train_a", "train_b"), seconds=12.0)
-    runs = list(found.values())
-    textbook = identify(runs, robot, name="m0")
-    return textbook, add_asked(textbook, "stribeck", [JOINT - 1], runs, name="m1")[0]
+def runs():
+    """Other motions of an arm with masses of its own."""
+    return list(make_runs(SEED, HIDDEN, kinds=("train_a", "train_b"), seconds=12.0)[0].values())
+
+
+@pytest.fixture(scope="module")
+def textbook(robot, runs):
+    return identify(runs, robot, name="m0")
+
+
+@pytest.fixture(scope="module")
+def improved(textbook, runs):
+    """With the effect."""
+    return add_asked(textbook, "stribeck", [JOINT - 1], runs, name="m1")[0]
 
 
 def tracking_rms(profile, robot, law=None, model=None):
@@ -82,19 +89,21 @@ def tracking_rms(profile, robot, law=None, model=None):
 
 
 @pytest.mark.long
-def test_an_effect_in_the_model_more_than_halves_the_error_of_its_joint(profile, robot, models):
+def test_an_effect_in_the_model_more_than_halves_the_error_of_its_joint(
+    profile, robot, textbook, improved
+):
     pid, at = tracking_rms(profile, robot), JOINT - 1
     for law in BY_NAME:
-        textbook, improved = (tracking_rms(profile, robot, law, model) for model in models)
-        assert np.all(textbook < 0.5 * pid)
-        assert improved[at] < 0.5 * textbook[at]
+        before, after = (tracking_rms(profile, robot, law, model) for model in (textbook, improved))
+        assert np.all(before < 0.5 * pid)
+        assert after[at] < 0.5 * before[at]
         others = np.delete(np.arange(robot.n), at)
-        assert np.all(improved[others] < 1.25 * textbook[others])
+        assert np.all(after[others] < 1.25 * before[others])
 
 
-def test_feed_forward_looks_at_nothing_measured(profile, robot, models):
+def test_feed_forward_looks_at_nothing_measured(profile, robot, textbook):
     """Its torque is that of the desired motion wherever the arm is; computed torque's is not."""
-    rng, live = np.random.default_rng(2), live_model(models[0])
+    rng, live = np.random.default_rng(2), live_model(textbook)
     reference = Reference(robot.n)
     reference.q[:], reference.dq[:], reference.ddq[:] = rng.normal(0.0, 0.3, (3, robot.n))
     near, far = rng.normal(0.0, 0.3, (2, robot.n))

@@ -72,6 +72,7 @@ def test_a_healthy_arm_is_go(tmp_path):
     assert "loop with the drives" in found["timing"][-1][1]
 
 
+@pytest.mark.long
 def test_too_fast_for_the_wire_is_no_go_and_says_what_fits(tmp_path):
     path = profile_with(tmp_path, control={"rate": 1000.0})
     status, go, found = check(path, tmp_path)
@@ -107,6 +108,7 @@ def lacking(folder, index, **drive):
     return path
 
 
+@pytest.mark.long
 def test_what_a_drive_lacks_is_a_warning_by_name(tmp_path):
     status, go, found = check(lacking(tmp_path, 0x605E), tmp_path)
     assert (status, go) == (0, True), "a warning is for a person to weigh"
@@ -130,6 +132,7 @@ def test_a_drive_that_may_keep_its_torque_is_no_go_until_the_profile_accepts_tha
     assert [level for level, text in found["safety"] if "0x6007" in text] == ["warning"]
 
 
+@pytest.mark.long
 def test_every_refused_drive_has_a_line(tmp_path):
     path = profile_with(tmp_path, control=CALM)
     profile = yaml.safe_load(path.read_text())

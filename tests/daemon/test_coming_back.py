@@ -61,7 +61,7 @@ def _command(pid):
         return []
 
 
-@pytest.mark.parametrize("powered", [False, True])
+@pytest.mark.parametrize("powered", [pytest.param(False, marks=pytest.mark.long), True])
 def test_control_is_killed(arm, kill, powered):
     if powered:
         arm.enable()
@@ -87,6 +87,7 @@ def test_the_virtual_arm_is_killed(arm, kill):
     assert arm.disable()["state"] == "inactive"
 
 
+@pytest.mark.long
 def test_what_is_still_away_is_named(arm, kill):
     """Both at once, and nothing is told twice."""
     arm.enable()

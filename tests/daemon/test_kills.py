@@ -1,5 +1,8 @@
 """Whatever is killed while the arm moves: it comes to rest, brakes on, and the run can be read.
 
+By default control and the daemon; what the death of others means is shown of each of them alone in
+test_dead_recorder, test_workers and test_coming_back.
+
 In simulated time, so that no machine is too slow for it; ``--long`` also in real time. That drives
 come to rest by themselves when control is gone is shown in tests/stepped and in real time.
 """
@@ -70,6 +73,7 @@ def test_control(bench, moment, took_to_rest):
     bench.recover()
 
 
+@pytest.mark.long
 def test_recorder(bench, moment, took_to_rest):
     job = bench.start_moving(FLUSHED + moment)
     os.kill(bench.pid_of("pa10d.recorder"), signal.SIGKILL)
@@ -133,6 +137,7 @@ def test_a_signal_stops_the_arm_while_the_daemon_stands_still(bench, took_to_res
     assert wait_for_run(bench).status == "stopped"
 
 
+@pytest.mark.long
 def test_worker(bench, moment, took_to_rest):
     """A job ends, nothing else: the arm goes on until it is stopped."""
     moving = bench.start_moving(0.0)
@@ -151,6 +156,7 @@ def test_worker(bench, moment, took_to_rest):
     assert wait_for_run(bench).status == "stopped"
 
 
+@pytest.mark.long
 def test_an_idle_worker_is_not_missed(bench):
     asked = {"kind": "tracking", "parameters": {"cycles": 1}}
     assert bench.client.check_experiment(asked)["go"]
@@ -159,6 +165,7 @@ def test_an_idle_worker_is_not_missed(bench):
     assert bench.client.check_experiment(asked)["go"]
 
 
+@pytest.mark.long
 def test_virtual_arm(bench, moment, took_to_rest):
     """The drives vanish: a named fault, and the run stays."""
     job = bench.start_moving(moment)

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import pytest
 from loops import run_apart
+from small_arm import small_arm
 
 from pa10d.cli.daemon import _with_secret
 from pa10d.client import ApiError, running_at
@@ -145,7 +146,8 @@ def hiding(data, *options):
 
 @pytest.mark.alone
 def test_the_arm_comes_back_and_keeps_its_secret(tmp_path):
-    with hiding(tmp_path, "--hide", "payload", "--seed", "4") as client:
+    path = str(small_arm(tmp_path))
+    with hiding(tmp_path, "--profile", path, "--hide", "payload", "--seed", "4") as client:
         ask = client._ask
         assert ask("GET", "/api/v1/story")["day"] == 1
         client.enable()
@@ -156,7 +158,20 @@ def test_the_arm_comes_back_and_keeps_its_secret(tmp_path):
         assert client.enable()["state"] == "holding"
         client.disable()
         assert ask("GET", "/api/v1/story")["hidden"] is None
-    with hiding(tmp_path) as client:  # nothing asked for: the arm that was left
+        with pytest.raises(ApiError, match="day 2"):
+            ask("POST", "/api/v1/story/night")
+        assert ask("POST", "/api/v1/story/reveal")["hidden"].startswith("payload (mass = ")
+    left = served(tmp_path, profile=load_profile(path))  # nothing asked for: the arm that was left
+    assert left.drawn == replace(drawn_before(tmp_path), day=2, revealed=True)
+    assert left.words.startswith("payload (mass = ")
+
+
+@pytest.mark.alone
+@pytest.mark.long
+def test_the_next_daemon_has_the_arm_that_was_left(tmp_path):
+    with hiding(tmp_path, "--hide", "payload", "--seed", "4") as client:
+        assert client._ask("POST", "/api/v1/story/night")["day"] == 2
+    with hiding(tmp_path) as client:
         ask = client._ask
         assert ask("GET", "/api/v1/story")["day"] == 2
         with pytest.raises(ApiError, match="day 2"):

@@ -43,6 +43,15 @@ WRONG = {
 }
 
 
+FIRST, *OTHERS = WRONG
+ONE = pytest.mark.parametrize(
+    "wrong",
+    [FIRST, *(pytest.param(name, marks=pytest.mark.long) for name in OTHERS)],
+    indirect=True,
+)
+"""Each is refused by the same function; that its line gets out of a process is shown of one."""
+
+
 @pytest.fixture(params=WRONG)
 def wrong(request, tmp_path):
     """File of a profile, and what is said of it."""
@@ -65,6 +74,7 @@ def test_it_is_refused_before_anything_is_started_in_one_line(wrong):
     assert "\n" not in str(refused.value)
 
 
+@ONE
 def test_serve_says_that_line_and_ends(wrong, tmp_path):
     path, says = wrong
     command = [sys.executable, "-m", "pa10d", "--data", str(tmp_path / "data"), "serve"]
@@ -76,6 +86,7 @@ def test_serve_says_that_line_and_ends(wrong, tmp_path):
     assert len(done.stderr.splitlines()) == 1
 
 
+@ONE
 def test_the_simulators_own_line_is_heard(wrong):
     path, says = wrong
     arm = Simulator(load_profile(path))

@@ -42,6 +42,7 @@ def test_what_the_steps_make_is_noise():
     assert floor.values == pytest.approx(np.hypot(made, 0.003 * np.sqrt(CUTOFF / 100.0)), rel=0.15)
 
 
+@pytest.mark.long
 def test_no_effect_is_made_of_noise():
     """Elasticity of joint 1 had taken 30 % of its squared error."""
     found = told(3e-3)[1]

@@ -27,7 +27,7 @@ def bump(t, q, dq, ddq):
     return np.column_stack([fs * np.exp(-((speed / vs) ** delta)) * np.sign(dq[:, 0]), 0 * t])
 
 
-@pytest.mark.parametrize("colour", COLOURS)
+@pytest.mark.parametrize("colour", [pytest.param("white", marks=pytest.mark.long), "coloured"])
 def test_errors_of_coefficients_are_their_scatter(colour):
     model, away, whole = None, [], []
     for seed in range(30):

@@ -19,6 +19,10 @@ from pa10d.diagnose.evidence.held_out import (
 
 SAMPLES = 1500
 NOISES = {"white": 0.0, "ar1": 0.9, "slow": 0.98}
+SLOWEST_BY_DEFAULT = [
+    pytest.param(phi, id=name, marks=() if name == "slow" else pytest.mark.long)
+    for name, phi in NOISES.items()
+]
 
 
 def gaps(rng: np.random.Generator, samples: int) -> np.ndarray:
@@ -63,7 +67,7 @@ def test_judge_finds_slope_one_for_a_true_column(phi):
     assert np.std(slopes) * np.mean(z) == pytest.approx(1.0, abs=0.4)
 
 
-@pytest.mark.parametrize("phi", NOISES.values(), ids=NOISES)
+@pytest.mark.parametrize("phi", SLOWEST_BY_DEFAULT)
 def test_z_of_a_chance_change_is_standard_normal(phi):
     """Two joints, two runs, gaps; the change has nothing to do with the noise and is small (a
     large one that is wrong counts itself as noise: it errs on the safe side)."""
@@ -130,7 +134,7 @@ def test_a_joint_that_gets_worse_is_named():
     assert judge(side, r0, {0: wave, 1: 0.001 * wave}).worse == ()
 
 
-@pytest.mark.parametrize("phi", [0.0, 0.9])
+@pytest.mark.parametrize("phi", [pytest.param(0.0, marks=pytest.mark.long), 0.9])
 def test_fit_side_power_of_fitted_noise_is_chi_squared(phi):
     """k columns that have nothing to do with the noise are fitted to it: the gain is χ² with k
     degrees of freedom once the colour of the noise is accounted for."""

@@ -31,11 +31,12 @@ def _is_said(law, draw: int) -> None:
     assert joint in {one.joint for one in found.unexplained}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("law", "draw"),
     [
         (heat_from_next_door, 1),
-        pytest.param(grease_that_remembers, 1, marks=pytest.mark.long),
+        (grease_that_remembers, 1),
     ],
 )
 def test_what_is_remembered_is_no_noise(law, draw):

@@ -41,7 +41,7 @@ def covered(found, errors, truth):
     return np.abs(found - truth) <= 1.96 * errors
 
 
-@pytest.mark.parametrize("noise", [white, coloured])
+@pytest.mark.parametrize("noise", [pytest.param(white, marks=pytest.mark.long), coloured])
 def test_intervals_cover_over_all_parameters(noise):
     found, errors, truth, _ = repeated(noise, 30)
     assert 0.90 <= covered(found, errors, truth).mean() <= 0.99

@@ -156,7 +156,12 @@ def files_in(folder):
     return sorted(path for path in folder.rglob("*") if path.is_file())
 
 
-@pytest.mark.parametrize("kind", FORMATS)
+SLOW = ("tables", "matlab", "ros2_control")  # to be made; they are written as the others are
+
+
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=pytest.mark.long if kind in SLOW else ()) for kind in FORMATS]
+)
 def test_export_writes_once(ask, tmp_path, monkeypatch, kind):
     monkeypatch.chdir(tmp_path)
     status, found, _ = ask("model", "export", "m0", "--format", kind)

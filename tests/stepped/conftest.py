@@ -8,7 +8,7 @@ from world import World, profile_in
 
 @pytest.fixture
 def make_world(tmp_path, monkeypatch):
-    """A new world; keywords change its profile."""
+    """A new world of three joints, or of ``chosen`` ones; other keywords change its profile."""
     made = []
 
     def make(**changes):

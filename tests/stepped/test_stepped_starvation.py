@@ -17,7 +17,7 @@ They let no joint go faster than 1.5 times its limit meanwhile: of joints 1 and 
 
 def pytest_generate_tests(metafunc):
     if "seed" in metafunc.fixturenames:
-        count = how_often(metafunc.config, 4, 100)
+        count = how_often(metafunc.config, 3, 100)
         metafunc.parametrize("seed", range(count))
 
 

@@ -123,7 +123,7 @@ def test_the_next_control_process_knows_where_the_arm_stood(world, stood, refuse
     """As the daemon kept it, on disk where it ended itself."""
 
     def story():
-        kept = None if stood is None else [0.0, 0.0, stood, 0.0, 0.0, 0.0, 0.0]
+        kept = None if stood is None else [0.0, 0.0, stood]
         world.say("connect", stood=kept)
         yield world.is_in("inactive")
         world.say("enable")

@@ -16,11 +16,12 @@ import socket
 import sys
 import threading
 import time as real_time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 import yaml
+from small_arm import CHOSEN, joints_of_the_arm
 
 from backends.canopen_cia402.backend import CanopenBackend
 from backends.virtual.drives.node import OPERATIONAL
@@ -363,11 +364,9 @@ def _readable(connection: socket.socket) -> bool:
     return bool(select.select([connection], [], [], 0)[0])
 
 
-def profile_in(folder: Path, **changes: object) -> Profile:
-    """The simulated PA10 in real time, which here is the world's."""
-    source = Path(__file__).parents[2] / "profiles" / "pa10-sim.yaml"
-    document = yaml.safe_load(source.read_text())
-    document["urdf"] = str(source.parent / document["urdf"])
+def profile_in(folder: Path, chosen: Sequence[int] = CHOSEN, **changes: object) -> Profile:
+    """Joints of the simulated PA10 in real time, which here is the world's."""
+    document = joints_of_the_arm(chosen)
     document["can"]["channel"] = f"s{os.getpid()}"
     for key, value in changes.items():
         document[key] = {**document.get(key, {}), **value} if isinstance(value, dict) else value

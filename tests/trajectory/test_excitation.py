@@ -70,10 +70,19 @@ def test_the_plan_keeps_every_limit_and_rests_at_both_ends(small):
     assert around_pa10().capsules.clearance(steady).min() >= CLEAR - 1e-3
 
 
-def test_same_seed_same_result_whoever_evaluates():
-    problem = excitation_problem(pa10(), [3, 4], harmonics=2, samples=40)
+@pytest.fixture(scope="module")
+def problem():
+    return excitation_problem(pa10(), [3, 4], harmonics=2, samples=40)
+
+
+@pytest.fixture(scope="module")
+def one(problem):
+    """What a search finds by itself."""
+    return search(problem, 1, 5, refined=1)
+
+
+def test_same_seed_same_result_whoever_evaluates(problem, one):
     with ThreadPoolExecutor(3) as pool:
-        one = search(problem, 1, 5, refined=1)
         other = search(problem, 1, 5, as_mapper(pool), refined=1)
     assert np.array_equal(one.x, other.x)
     assert one.evaluations == other.evaluations
@@ -83,9 +92,8 @@ def test_same_seed_same_result_whoever_evaluates():
 @pytest.mark.parametrize(
     "processes", [False, pytest.param(True, marks=pytest.mark.long)], ids=["threads", "processes"]
 )
-def test_dask_evaluates_as_well(processes):
+def test_dask_evaluates_as_well(problem, one, processes):
     distributed = pytest.importorskip("distributed", reason="Dask's distributed is not installed")
-    problem = excitation_problem(pa10(), [3, 4], harmonics=2, samples=40)
     with (
         distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, processes=processes, dashboard_address=None
@@ -93,7 +101,7 @@ def test_dask_evaluates_as_well(processes):
         distributed.Client(cluster) as client,
     ):
         there = search(problem, 1, 5, as_mapper(client), refined=1)
-    assert np.array_equal(there.x, search(problem, 1, 5, refined=1).x)
+    assert np.array_equal(there.x, one.x)
 
 
 class PretendClient:
@@ -111,13 +119,12 @@ class PretendClient:
         return [future.result() for future in futures]
 
 
-def test_a_client_with_map_and_gather_is_a_map():
-    problem = excitation_problem(pa10(), [3, 4], harmonics=2, samples=40)
+def test_a_client_with_map_and_gather_is_a_map(problem, one):
     with ThreadPoolExecutor(2) as pool:
         client = PretendClient(pool)
         there = search(problem, 1, 5, as_mapper(client), refined=1)
     assert client.calls == 3  # the first population, a generation, the refinement
-    assert np.array_equal(there.x, search(problem, 1, 5, refined=1).x)
+    assert np.array_equal(there.x, one.x)
 
 
 def test_progress_is_told_and_cancelling_keeps_the_best_so_far():

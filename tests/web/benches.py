@@ -1,4 +1,4 @@
-"""Arms and daemons that the page is tried on."""
+"""Daemons that the page is tried on."""
 
 from __future__ import annotations
 
@@ -8,33 +8,6 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-
-import yaml
-
-from pa10d.profile import find_profile
-
-HIDDEN = {"effect": "stribeck", "joint": 3, "Fs": 4.0, "vs": 0.1}
-"""In the third of three joints, which is the fourth of the whole arm."""
-RATE = 250  # Hz: half the cycles to compute, and what a page shows is the same
-
-
-def small_arm(folder: Path, hidden: dict = HIDDEN) -> Path:
-    """Shoulder and elbow of the simulated arm, and what they hide."""
-    base = find_profile("pa10-sim")
-    profile = yaml.safe_load(base.read_text())
-    chosen = [0, 1, 3]
-    profile["urdf"] = str(base.parent / profile["urdf"])
-    for place in (profile, profile["limits"]):
-        for key in ("joints", "drives", "velocity", "acceleration", "torque"):
-            if key in place:
-                place[key] = [place[key][j] for j in chosen]
-    profile["control"]["rate"] = RATE
-    profile["simulation"]["options"] = {
-        "effects": [hidden], "dynamics": {"spread": 0.2, "seed": 5}, "seed": 3
-    }  # fmt: skip
-    path = folder / "small.yaml"
-    path.write_text(yaml.safe_dump(profile))
-    return path
 
 
 @contextlib.contextmanager

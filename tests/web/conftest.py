@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from benches import served, small_arm
+from benches import served
 from browsers import Visitor, chromium
+from small_arm import small_arm
 
 from backends.virtual.datasets import make_runs
 from pa10d.client import Client, local_daemon

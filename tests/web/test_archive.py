@@ -187,6 +187,7 @@ def test_the_docs_ask_nobody_else(archive, visit):
     assert not visitor.foreign()
 
 
+@pytest.mark.long
 def test_a_report_asks_nobody_at_all(archive, visit, tmp_path):
     _, data = archive
     found = compare_runs(open_library(data), "m0", ["valid_a"])

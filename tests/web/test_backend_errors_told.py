@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 import yaml
-from benches import served, small_arm
+from benches import served
+from small_arm import small_arm
 
 from pa10d.cli import main
 from pa10d.client import Client

@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 import yaml
-from benches import small_arm
+from small_arm import small_arm
 
 from backends.virtual.datasets import make_runs
 from pa10d.cli import main

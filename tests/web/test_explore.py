@@ -74,6 +74,7 @@ def test_models_and_a_second_run_lie_over_it(page):
     page.get_by_text("Spectrum of model m0: torque of coulomb").wait_for()
 
 
+@pytest.mark.long
 def test_a_list_that_is_filled_again_leaves_the_keyboard_where_it_was(archive, visit):
     page, late = (visitor := visit(archive[0])).page, []
     page.route("**/faults*", lambda route: late.append(route))
@@ -129,6 +130,7 @@ def test_quantities_and_models_lie_over_each_other_in_one_plot(page):
     until(page, "document.querySelectorAll('#explore .u-legend')[1].rows.length === 3")
 
 
+@pytest.mark.long
 def test_a_quantity_against_one_of_another_joint(page):
     with page.expect_response(lambda r: "columns" in r.url and "channel=tau1&channel=q2" in r.url):
         page.get_by_label("against").select_option("position of 2 S2")
@@ -169,6 +171,7 @@ def test_two_cursors_by_hand_and_by_keys_read_what_was_recorded(page, archive):
     page.get_by_text("Order spectrum of torque measured, 12.00 to 14.00 s").wait_for()
 
 
+@pytest.mark.long
 def test_a_click_counts_though_its_plot_is_made_anew_under_the_button(page):
     box = page.locator("#explore .u-over").first.bounding_box()
     page.mouse.move(box["x"] + box["width"] / 3, box["y"] + 40)
@@ -180,6 +183,7 @@ def test_a_click_counts_though_its_plot_is_made_anew_under_the_button(page):
     assert float(page.get_by_label("cursor A, s").input_value()) == pytest.approx(20, abs=0.3)
 
 
+@pytest.mark.long
 def test_a_file_that_is_dropped_here_is_seen_here(archive, visit, csv_text):
     visitor = visit(archive[0])
     page = visitor.page

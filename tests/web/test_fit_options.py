@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 
+import pytest
+
 from pa10d.client import Client
 
 
@@ -62,6 +64,7 @@ def test_no_run_no_fit_and_one_that_is_ticked_is_enough(archive, visit):
     assert not visitor.errors
 
 
+@pytest.mark.long
 def test_parameters_are_sorted_by_what_is_pressed(archive, visit):
     page = (visitor := visit(archive[0])).page
     visitor.open("models")

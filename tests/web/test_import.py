@@ -146,6 +146,7 @@ def test_every_episode_becomes_a_run(page, archive):
         httpx.delete(f"{archive[0]}/api/v1/runs/{name}", trust_env=False).raise_for_status()
 
 
+@pytest.mark.long
 def test_a_log_of_two_buses_asks_for_one(page):
     lines = []
     for k in range(400):
@@ -205,6 +206,7 @@ def test_it_goes_by_keyboard_and_can_be_left(page, archive, strange):
     assert len(after) == before
 
 
+@pytest.mark.long
 def test_several_files_alike_are_asked_once(page, archive, strange):
     page.evaluate(DROP, [["a.txt", "b.txt", "c.txt"], strange])
     box = shown(page)
@@ -214,6 +216,7 @@ def test_several_files_alike_are_asked_once(page, archive, strange):
         httpx.delete(f"{archive[0]}/api/v1/runs/{name}", trust_env=False).raise_for_status()
 
 
+@pytest.mark.long
 def test_a_file_that_is_dropped_while_another_is_read_waits_for_it(page, strange):
     sent = []
     page.route("**/api/v1/recordings?*", lambda route: sent.append(route))
@@ -239,6 +242,7 @@ def test_a_file_that_is_dropped_while_another_is_read_waits_for_it(page, strange
     page.get_by_role("button", name="Leave it").click()
 
 
+@pytest.mark.long
 def test_a_file_that_is_no_longer_kept_can_be_left(page, archive, strange):
     page.evaluate(DROP, ["log.txt", strange])
     with page.expect_response("**/preview") as answer:

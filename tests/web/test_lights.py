@@ -8,8 +8,9 @@ import re
 import signal
 
 import pytest
-from benches import children_of, small_arm
+from benches import children_of
 from browsers import until
+from small_arm import small_arm
 
 from pa10d.client import local_daemon
 from pa10d.daemon.presence import present
@@ -84,6 +85,7 @@ def test_connection_fault_and_queue_outrank_the_story(bench, visit):
     assert any(words in story for words in ("Nothing is recorded yet", "Mark which runs"))
 
     # an experiment that is planned does not move the arm yet; nobody plans before it was seen
+    client.check_experiment({"kind": "boundary_velocity"})
     workers = children_of(pid, "pa10d.daemon.processes.worker")
     assert workers
     for one in workers:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from lost_zero import CHANNEL, turn
+from small_arm import small_arm
 
 from pa10d.client import local_daemon
 
@@ -10,10 +11,11 @@ BUTTON = "I have looked …"
 
 
 def test_nothing_moves_before_somebody_has_looked(tmp_path, visit):
-    with local_daemon(tmp_path, clock="simulated", channel=CHANNEL) as client:
+    path = str(small_arm(tmp_path))
+    with local_daemon(tmp_path / "data", path, clock="simulated", channel=CHANNEL) as client:
         client.wait_for_robot("inactive")
         client.disconnect()
-        turn(3, 0.5)
+        turn(4, 0.5)  # the node of the third joint
         client.connect()
         client.wait_for_robot("inactive")
         client.let_others_command()

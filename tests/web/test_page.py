@@ -43,7 +43,7 @@ def test_abort_ends_an_experiment(arm, visit):
     )
 
 
-@pytest.mark.parametrize("how", ["button", "key"])
+@pytest.mark.parametrize("how", [pytest.param("button", marks=pytest.mark.long), "key"])
 def test_stop_while_moving(arm, visit, how):
     visitor = visit(arm.url)
     visitor.open("experiments")

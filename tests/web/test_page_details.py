@@ -134,6 +134,7 @@ def test_words_at_the_axis_of_time_never_touch(archive, visit):
                 assert other["left"] - one["right"] >= 4, (width, seconds, one, other)
 
 
+@pytest.mark.long
 def test_words_at_the_axis_of_time_grow_with_the_text(archive, visit):
     visitor = visit(archive[0], bypass_csp=True)
     visitor.open()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from benches import small_arm
+from small_arm import small_arm
 
 from backends.virtual.datasets import make_runs
 from pa10d.client import Client, local_daemon

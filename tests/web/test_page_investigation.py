@@ -7,7 +7,8 @@ import re
 import signal
 
 import pytest
-from benches import children_of, served_arm, small_arm
+from benches import children_of, served_arm
+from small_arm import small_arm
 
 from pa10d.client import running_at
 from pa10d.daemon.presence import present

@@ -8,7 +8,8 @@ from __future__ import annotations
 import re
 
 import pytest
-from benches import served_arm, small_arm
+from benches import served_arm
+from small_arm import small_arm
 
 from backends.virtual.plant.catalogue import LISTED
 from pa10d.client import running_at

@@ -75,6 +75,7 @@ UNDER = """() => [...document.querySelectorAll("#run-detail .legendtext")].filte
 }).map((key) => key.textContent)"""
 
 
+@pytest.mark.long
 def test_no_name_of_a_legend_lies_under_the_buttons(archive, visit):
     visitor = visit(archive[0], viewport={"width": 480, "height": 900}, has_touch=True)
     page = visitor.page
@@ -97,6 +98,7 @@ UPRIGHT = """async () => {
 }"""
 
 
+@pytest.mark.long
 def test_an_arm_that_stands_upright_is_in_the_picture_whole(archive, visit):
     visitor = visit(archive[0])
     visitor.open("models")
@@ -330,7 +332,7 @@ OVERLAP = """() => {
 }"""
 
 
-@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize("width", [pytest.param(1280, marks=pytest.mark.long), 390])
 def test_the_title_of_a_second_panel_lies_on_no_other(archive, visit, width):
     visitor = visit(archive[0], viewport={"width": width, "height": 844})
     visitor.open("models")
@@ -343,7 +345,7 @@ def test_the_title_of_a_second_panel_lies_on_no_other(archive, visit, width):
     assert not visitor.errors
 
 
-@pytest.mark.parametrize("width", [1024, 390])
+@pytest.mark.parametrize("width", [pytest.param(1024, marks=pytest.mark.long), 390])
 def test_who_commands_is_to_be_read_beside_all_tabs(archive, visit, width):
     visitor = visit(archive[0], viewport={"width": width, "height": 844})
     page = visitor.page
@@ -371,7 +373,7 @@ TICKS = """async (far) => {
 }"""
 
 
-@pytest.mark.parametrize("far", [0.005, 20_000.0])
+@pytest.mark.parametrize("far", [pytest.param(0.005, marks=pytest.mark.long), 20_000.0])
 def test_numbers_beside_a_plot_are_those_of_their_lines(archive, visit, far):
     visitor = visit(archive[0])
     visitor.open("explore")

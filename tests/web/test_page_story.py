@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 
 import pytest
-from benches import HIDDEN
 from browsers import until
+from small_arm import HIDDEN
 
 FOLLOWED = 240_000  # ms for what takes long on a loaded machine
 

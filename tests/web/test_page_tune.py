@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from benches import small_arm
 from browsers import until
+from small_arm import small_arm
 
 from pa10d.client import Client, local_daemon
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from benches import served, small_arm
+from benches import served
+from small_arm import small_arm
 
 from backends.virtual.datasets import make_runs
 from pa10d.services.library import open_library

@@ -34,7 +34,9 @@ def heard(page) -> None:
     page.get_by_text("Stop was heard").first.wait_for()
 
 
-@pytest.mark.parametrize("lost", ["never comes", "is broken", "hangs"])
+@pytest.mark.parametrize(
+    "lost", ["never comes", pytest.param("is broken", marks=pytest.mark.long), "hangs"]
+)
 def test_stop_needs_nothing_else_of_the_page(archive, visit, lost):
     url, _ = archive
     page = visit(url).page
@@ -60,7 +62,7 @@ def test_stop_needs_no_script_at_all(archive, visit):
     page.get_by_role("heading", name="Stop was heard").wait_for()
 
 
-@pytest.mark.parametrize("width", [390, 1360])
+@pytest.mark.parametrize("width", [390, pytest.param(1360, marks=pytest.mark.long)])
 def test_nothing_covers_stop(archive, visit, width):
     url, _ = archive
     visitor = visit(url, viewport={"width": width, "height": 700})

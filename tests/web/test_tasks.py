@@ -7,8 +7,9 @@ import re
 import signal
 
 import pytest
-from benches import children_of, small_arm
+from benches import children_of
 from browsers import until
+from small_arm import small_arm
 
 from pa10d.client import local_daemon
 from pa10d.daemon.presence import present

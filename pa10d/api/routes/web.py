@@ -31,8 +31,9 @@ FOREVER = "public, max-age=31536000, immutable"
 
 @router.get("/")
 @router.get("/index.html")
-async def page() -> HTMLResponse:
+async def page(daemon: TheDaemon) -> HTMLResponse:
     """The page; small, so that the stop button is there at once."""
+    daemon.open_eyes()
     text = await asyncio.to_thread(assets.page)
     return HTMLResponse(text, headers={"Cache-Control": "no-cache"})
 

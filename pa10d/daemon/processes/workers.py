@@ -14,7 +14,7 @@ from typing import Any
 
 from pa10d.common.errors import NoRoom, Taken, Unsound, UserError
 from pa10d.common.jsonable import JsonObject
-from pa10d.common.shortage import Short, starting
+from pa10d.common.shortage import starting
 from pa10d.daemon.processes.budget import Budget
 from pa10d.daemon.processes.child import ENVIRONMENT
 from pa10d.daemon.processes.crowded import Crowded
@@ -72,11 +72,6 @@ class Workers:
         self._idle: list[Worker] = []
         self._waiting = 0
         self._closed = False
-
-    async def warm_up(self) -> None:
-        """Have one ready before it is needed."""
-        with contextlib.suppress(Short):
-            self._idle.append(await self._fresh())
 
     async def run(self, call: str, progress: Progress, **arguments: Any) -> Any:
         """The function's result; UserError where the request was at fault or took too much.
