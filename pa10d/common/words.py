@@ -17,6 +17,13 @@ def times(ratio: float) -> str:
     return f"{ratio:.1f} times" if ratio < 9.95 else f"{float(f'{ratio:.2g}'):.0f} times"
 
 
+def rounded(value: float, digits: int) -> str:
+    """``350`` and ``0.0123``: so many digits that say something, and no power of ten for what a
+    large arm measures in plain numbers."""
+    short = f"{value:.{digits}g}"
+    return f"{float(short):.0f}" if 10.0**digits <= abs(float(short)) < 1e7 else short
+
+
 def times_noise(rms: float, floor: float) -> str:
     """``1.8 × noise``, or that the noise is not known."""
     return f"{rms / floor:.1f} × noise" if floor > 0 else "noise not known"

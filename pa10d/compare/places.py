@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.common.words import joint_words, listed, times
+from pa10d.common.words import joint_words, listed, rounded, times
 from pa10d.compare.curves import Curve
 from pa10d.compare.knocks import knocks
 from pa10d.compare.phrases import sentence
@@ -61,7 +61,7 @@ def failing(
         known = noise > 0
         if j in told or (known and rms <= MATERIAL * noise):
             continue
-        size = f"Joint {j + 1} keeps {rms:.3g} {robot.torque_unit(j)}"
+        size = f"Joint {j + 1} keeps {rounded(rms, 3)} {robot.torque_unit(j)}"
         if (knocked := knocks(runs, j)) is not None:
             told.add(j)
             said.append(f"{size}; {knocked.words}.")

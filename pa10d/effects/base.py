@@ -16,7 +16,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.common.words import of_a_slide
+from pa10d.common.words import of_a_slide, rounded
 from pa10d.dynamics import Robot
 from pa10d.effects.context import Context
 from pa10d.effects.sign import smooth_sign
@@ -161,8 +161,10 @@ class Value:
             return "no estimate"
         if not self.determined:
             return "not determined"
-        doubt = f" ± {self.std_error:.2g}" if self.std_error > 0.0 else ""  # a choice has none
-        return f"{self.value:.4g}{doubt}{self.unit_after}"
+        value = rounded(self.value, 4)
+        if self.std_error > 0.0:  # a choice has none
+            value += f" ± {rounded(self.std_error, 2)}"
+        return f"{value}{self.unit_after}"
 
     @property
     def unit_after(self) -> str:

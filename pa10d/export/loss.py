@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.words import rounded
 from pa10d.effects import Context
 from pa10d.export.endings import Format
 from pa10d.export.mjcf import DRY_LAG, PROPERTIES
@@ -118,7 +119,7 @@ def _sentence(model: TorqueModel, runs: tuple[str, ...], rms: Array) -> str:
     """Joint by joint, those that lose something."""
     robot, where = model.robot, ", ".join(runs)
     told = [
-        f"{robot.joint_names[j]} {rms[j]:.2g} {robot.torque_unit(j)}"
+        f"{robot.joint_names[j]} {rounded(rms[j], 2)} {robot.torque_unit(j)}"
         for j in map(int, np.flatnonzero(rms > NOTHING))
     ]
     if not told:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.words import rounded
 from pa10d.dynamics.robot import PARAMETER_NAMES, Robot
 from pa10d.identify.excitation import MotionExtent
 from pa10d.identify.feasibility import FeasibleModel
@@ -107,7 +108,7 @@ def _bounds(layout: Layout, fit: Fit, feasible: FeasibleModel) -> Iterator[str]:
             why = f"what was told does not fit ({', '.join(held)} out of bounds); {ASK}"
         yield (
             f"{_joint(robot, int(j))}: feasible parameters leave {100 * cost[j]:.0f} % more error "
-            f"({feasible.rms[j]:.3g} instead of {fit.rms[j]:.3g} "
+            f"({rounded(feasible.rms[j], 3)} instead of {rounded(fit.rms[j], 3)} "
             f"{robot.torque_unit(int(j))}): {why}"
         )
 
@@ -136,7 +137,9 @@ def _uncertain(layout: Layout, fit: Fit, seen: MotionExtent) -> Iterator[str]:
     order = poor[np.argsort(-(error * fit.solution.scale)[poor])][:NAMED]
     left = fit.open
     shown = ", ".join(
-        f"{names[k]} not determined" if left[k] else f"{names[k]} {beta[k]:.2g} ± {error[k]:.1g}"
+        f"{names[k]} not determined"
+        if left[k]
+        else f"{names[k]} {rounded(beta[k], 2)} ± {rounded(error[k], 1)}"
         for k in order
     )
     more = f" and {len(poor) - len(order)} more" if len(poor) > len(order) else ""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pa10d.common.jsonable import JsonObject
-from pa10d.common.words import listed, percent, times
+from pa10d.common.words import listed, percent, rounded, times
 from pa10d.compare.comparison import RunScores
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.outcome.settling import NextExperiment
@@ -69,8 +69,8 @@ def found_words(found: Diagnosis) -> str:
 
 def _sized(name: str, size: Value) -> str:
     """``F = 1.12 ± 0.06 N·m``; what was chosen, not fitted, has no error: ``ratio = 1``."""
-    error = f" ± {size.std_error:.1g}" if size.std_error else ""
-    return f"{name} = {size.value:.3g}{error} {size.unit}".removesuffix(" 1")
+    error = f" ± {rounded(size.std_error, 1)}" if size.std_error else ""
+    return f"{name} = {rounded(size.value, 3)}{error} {size.unit}".removesuffix(" 1")
 
 
 def identified_words(found: FitSummary) -> str:
@@ -117,7 +117,7 @@ def fall_words(judged: LastWord) -> str:
     best, worst = int(np.argmax(fall)), int(np.argmin(fall))
 
     def sizes(j: int) -> str:
-        return f"from {before[j]:.3g} to {after[j]:.3g} {judged.unit(j)}"
+        return f"from {rounded(before[j], 3)} to {rounded(after[j], 3)} {judged.unit(j)}"
 
     text = (
         f"The error of joint {best + 1} falls {sizes(best)} {where}."

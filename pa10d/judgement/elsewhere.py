@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from pa10d.common.words import rounded
 from pa10d.judgement.band import common_band
 from pa10d.judgement.judge import judged
 from pa10d.judgement.one_floor import through
@@ -29,7 +30,8 @@ def worse_elsewhere(
     names = ", ".join(run.name for run in runs)
     return [
         f"joint {j + 1}: on {names}, which {parent.name} was fitted to, its error rises from "
-        f"{was.rms[j]:.3g} to {now.rms[j]:.3g} {parent.robot.torque_unit(j)}; where the model is "
-        "to hold there too, fit to those runs as well"
+        f"{rounded(was.rms[j], 3)} to {rounded(now.rms[j], 3)} "
+        f"{parent.robot.torque_unit(j)}; where the model is to hold there too, fit to "
+        "those runs as well"
         for j in worse(before, after)
     ]

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from pa10d.common.words import listed
+from pa10d.common.words import listed, rounded
 from pa10d.effects import Coefficient, Effect, ShapeParameter, Value
 from pa10d.effects.base import SURELY
 from pa10d.effects.rotor import ROTOR
@@ -75,15 +75,13 @@ def _said(term: Term, name: str, value: Value) -> str:
     kind: Effect = term.effect
     parameters: list[Coefficient | ShapeParameter] = [*kind.coefficients, *kind.shapes]
     of = next(p for p in parameters if p.name == name)
-    unit = value.unit_after
+    out = f"{name} comes out at {rounded(value.value, 3)}{value.unit_after}"
     if of.name == ROTOR.name:
-        return f"{name} comes out at {value.value:.3g}{unit}, and all that the joint moves is less"
+        return f"{out}, and all that the joint moves is less"
     if value.value < of.lower == 0.0:
-        return f"{name} comes out at {value.value:.3g}{unit}, and nothing has less than none"
+        return f"{out}, and nothing has less than none"
     ends = f"{of.lower:g} to {of.upper:g}" if of.lower > -float("inf") else f"up to {of.upper:g}"
-    return (
-        f"{name} comes out at {value.value:.3g}{unit}, the end of what it may be ({ends}) or more"
-    )
+    return f"{out}, the end of what it may be ({ends}) or more"
 
 
 def _ended(value: Value, of: Coefficient) -> bool:

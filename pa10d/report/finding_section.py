@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pa10d.common.words import listed, percent
+from pa10d.common.words import listed, percent, rounded
 from pa10d.diagnose.constants import SEARCH_LEVEL
 from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
 from pa10d.effects import all_effects
@@ -61,10 +61,14 @@ def _cards(finding: Finding, joint: int, share: float, unit: str) -> list[tuple[
         ("where", where, finding.term.effect.title),
         (
             "size of the effect",
-            f"{size.value:.3g} ± {size.std_error:.1g} {unit}",
+            f"{rounded(size.value, 3)} ± {rounded(size.std_error, 1)} {unit}",
             "RMS where it acts",
         ),
-        (f"error of joint {joint + 1}", f"{before:.3g} → {after:.3g} {unit}", "on data not fitted"),
+        (
+            f"error of joint {joint + 1}",
+            f"{rounded(before, 3)} → {rounded(after, 3)} {unit}",
+            "on data not fitted",
+        ),
         ("squared error removed", percent(share), f"joint {joint + 1}, on data not fitted"),
     ]
 
@@ -133,9 +137,10 @@ def _parameters(finding: Finding) -> Table:
         low, high = v.value - 1.96 * v.std_error, v.value + 1.96 * v.std_error
         rows.append(
             [
-                name, f"{v.value:.4g}" if v.determined else str(v),
-                f"± {v.std_error:.2g}" if known else "–",
-                f"{low:.4g} … {high:.4g}" if known else "–", "" if v.unit == "1" else v.unit,
+                name, rounded(v.value, 4) if v.determined else str(v),
+                f"± {rounded(v.std_error, 2)}" if known else "–",
+                f"{rounded(low, 4)} … {rounded(high, 4)}" if known else "–",
+                "" if v.unit == "1" else v.unit,
             ]
         )  # fmt: skip
     return Table(["parameter", "value", "standard error", "95 % interval", "unit"], rows)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pa10d.common.words import rounded
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.claims import Unexplained, Unnamed
@@ -64,29 +65,30 @@ def unexplained_section(
         what = ALL_ALONG if s.all_along else APART if s.at is None else STEP
         said = [Text(found.remaining[s.joint].sentence), Text(what)]
         name = f"Joint {s.joint + 1}: {s.who}"
-        return Section(name, list(said), f"{s.rms:.3g} {unit}")
+        return Section(name, list(said), f"{rounded(s.rms, 3)} {unit}")
     if isinstance(s, OtherGeometry):
         said = [Text(found.remaining[s.joint].sentence), Text(MISPLACED)]
         name = f"Joint {s.joint + 1}: the arm may not be as its URDF says"
-        return Section(name, list(said), f"{s.rms:.3g} {unit}")
+        return Section(name, list(said), f"{rounded(s.rms, 3)} {unit}")
     if isinstance(s, OtherFriction):
         said = [Text(found.remaining[s.joint].sentence), Text(RUBS)]
         name = f"Joint {s.joint + 1}: friction that is other in the runs held out"
-        return Section(name, list(said), f"{s.rms:.3g} {unit}")
+        return Section(name, list(said), f"{rounded(s.rms, 3)} {unit}")
     if isinstance(s, Unnamed) and s.witness == "step":
         said = [Text(found.remaining[s.joint].sentence), Text(STEP)]
         name = f"Joint {s.joint + 1}: a change at one moment"
-        return Section(name, list(said), f"{s.rms:.3g} {unit}")
+        return Section(name, list(said), f"{rounded(s.rms, 3)} {unit}")
     if not isinstance(s, Structure) or figure is None:
         said = [Text(found.remaining[s.joint].sentence), Text(UNNAMED)]
         name = f"Joint {s.joint + 1}: what nobody can name"
-        return Section(name, list(said), f"{s.rms:.3g} {unit}")
+        return Section(name, list(said), f"{rounded(s.rms, 3)} {unit}")
     reading = MAP if len(s.variables) == 2 else CURVE
-    title = f"{s.rms:.3g} {unit} that no effect explains"
+    title = f"{rounded(s.rms, 3)} {unit} that no effect explains"
     blocks: list[Block] = [Text(INTRO), Plot(title, figure, reading, structure_words(s) + ".")]
     if not found.frozen:
         blocks.append(_removal(found, s, asked))
-    return Section(f"Joint {s.joint + 1}: what no effect explains", blocks, f"{s.rms:.3g} {unit}")
+    name = f"Joint {s.joint + 1}: what no effect explains"
+    return Section(name, blocks, f"{rounded(s.rms, 3)} {unit}")
 
 
 def _removal(found: Diagnosis, s: Structure, asked: Asked) -> Command:

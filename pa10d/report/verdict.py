@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pa10d.common.words import joint_words, listed, percent, times
+from pa10d.common.words import joint_words, listed, percent, rounded, times
 from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
 from pa10d.diagnose.outcome.words import none_found, unexplained
 from pa10d.diagnose.unknown.between_runs import Apart
@@ -105,7 +105,8 @@ def gain_words(found: Diagnosis) -> str:
     j = shown_joint(found, 0)
     floor, unit = float(found.noise_floor[j]), found.model.robot.torque_unit(j)
     text = f"With {'it' if len(found.findings) == 1 else 'them'} the error of joint {j + 1} falls "
-    text += f"from {first[j]:.3g} to {last[j]:.3g} {unit} on data that the fit has not seen"
+    text += f"from {rounded(first[j], 3)} to {rounded(last[j], 3)} {unit} "
+    text += "on data that the fit has not seen"
     if np.isfinite(floor) and floor > 0:
         ratio = last[j] / floor
         text += ", down to the noise" if ratio < NEAR else f", {times(ratio)} the noise"

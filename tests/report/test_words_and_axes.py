@@ -6,7 +6,7 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from pa10d.common.words import counted, joint_words, sentence, times
+from pa10d.common.words import counted, joint_words, rounded, sentence, times
 from pa10d.figures.plotly import log_axis
 from pa10d.report.sheet import BLOCKS
 
@@ -18,6 +18,16 @@ from pa10d.report.sheet import BLOCKS
 )  # fmt: skip
 def test_a_ratio_has_as_many_digits_as_say_something(ratio, said):
     assert times(ratio) == said
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "said"),
+    [(350.3, 2, "350"), (12781.0, 4, "12780"), (0.01234, 3, "0.0123"), (-2589.0, 2, "-2600"),
+     (9.96, 2, "10"), (1.5e9, 3, "1.5e+09"), (float("nan"), 3, "nan")],
+)  # fmt: skip
+def test_what_a_large_arm_measures_is_a_plain_number(value, digits, said):
+    """ "About 3.5e+02 N·m" was said of an arm of 10 kN·m."""
+    assert rounded(value, digits) == said
 
 
 def test_a_wide_axis_is_labelled_at_powers_of_ten_alone():

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pa10d.common.words import listed
+from pa10d.common.words import listed, rounded
 from pa10d.diagnose.constants import MATERIAL_GAIN, MATERIAL_REST
 from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
 from pa10d.diagnose.outcome.words import helped_most
@@ -110,8 +110,8 @@ def _there_before(finding: Finding, model: TorqueModel, own: Sequence[Recording]
     was_there = True if (1.0 + MATERIAL_GAIN) * beside[j] < without[j] else None
     text = (WAS_THERE if was_there else NOT_SHOWN).format(
         joint=j + 1,
-        before=f"{without[j]:.3g}",
-        after=f"{beside[j]:.3g}",
+        before=rounded(without[j], 3),
+        after=rounded(beside[j], 3),
         unit=model.robot.torque_unit(j),
     )
     told = finding.sentence.replace(" now has ", " has ", 1).replace(" now have ", " have ", 1)

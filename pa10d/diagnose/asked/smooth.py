@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
-from pa10d.common.words import from_one
+from pa10d.common.words import from_one, rounded
 from pa10d.diagnose.asked.stiffness import NormalEquations, stiffness
 from pa10d.diagnose.constants import (
     ALIKE,
@@ -183,8 +183,9 @@ def _warnings(label: str, joint: int, quantities: str, found: Evidence) -> list[
     if found.p_value > SMOOTH_LEVEL or found.slope < LEAST_SLOPE or found.gain <= 0:
         out.append(
             f"{label}: no significant gain on held-out data (p = {found.p_value:.2g}, joint "
-            f"{joint + 1} from {found.before[joint]:.3g} to {found.after[joint]:.3g} N·m): what is "
-            f"left does not depend on {quantities}, or too little was seen of it"
+            f"{joint + 1} from {rounded(found.before[joint], 3)} to "
+            f"{rounded(found.after[joint], 3)} N·m): what is left does not "
+            f"depend on {quantities}, or too little was seen of it"
         )
     if found.worse:
         worse = ", ".join(str(j + 1) for j in found.worse)

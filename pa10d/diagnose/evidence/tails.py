@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.words import rounded
 from pa10d.diagnose.constants import SEEN_SHARE
 from pa10d.model import Term, TorqueModel
 from pa10d.model.names import AGAIN, told_apart
@@ -54,10 +55,11 @@ def _tail(model: TorqueModel, term: Term, seen: Array, left_out: Array) -> str |
     if seen[j] >= SEEN_SHARE * left_out[j]:
         return None
     unit = model.robot.torque_unit(j)
-    most = f"up to {seen[j]:.2g} {unit}" if seen[j] > 1e-3 * left_out[j] else "next to nothing"
+    told = f"up to {rounded(seen[j], 2)} {unit}"
+    most = told if seen[j] > 1e-3 * left_out[j] else "next to nothing"
     return (
         f"{term.label}: only its tail was seen, {most} in the samples that are fitted; the "
-        f"{left_out[j]:.2g} {unit} that it claims where the joint turns round or rests are "
+        f"{rounded(left_out[j], 2)} {unit} that it claims where the joint turns round or rests are "
         f"extrapolated, whatever the standard errors say. "
         f"To see it: {term.effect.experiment.rstrip('.')}"
     )

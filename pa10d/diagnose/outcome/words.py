@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pa10d.common.jsonable import JsonObject
-from pa10d.common.words import joint_words, listed, percent, times
+from pa10d.common.words import joint_words, listed, percent, rounded, times
 from pa10d.diagnose.constants import BEYOND_NOISE, MATERIAL_GAIN, MATERIAL_REST, OWN_SHARE
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis
 from pa10d.effects import Effect, Value, effect
@@ -41,7 +41,7 @@ def sentence(
         before, after = beside
         worst, own = helped_most(term, before, after)
     share = percent(1.0 - (after[worst] / max(before[worst], 1e-300)) ** 2)
-    about = f"about {size.value:.2g} {size.unit}"
+    about = f"about {rounded(size.value, 2)} {size.unit}"
     if frozen:
         said = changed(term, about)
     else:
@@ -169,8 +169,8 @@ def _lacking(size: Value, lacks: float | None) -> str:
     several joints, whose torques are no one number."""
     if lacks is None:
         return " where it acts most"
-    part = f"{lacks:.2g}"
-    if part == f"{size.value:.2g}":
+    part = rounded(lacks, 2)
+    if part == rounded(size.value, 2):
         return " that the model lacks"
     if lacks > size.value:  # where it is missing, what stands in for it bends the rest
         return f", and the model without it lacks {part} {size.unit}"

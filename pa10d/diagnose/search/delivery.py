@@ -7,6 +7,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.words import rounded
 from pa10d.diagnose.constants import MUCH_WORSE
 from pa10d.judgement import RunResidual, judged, worse
 from pa10d.model import Delivery, TorqueModel
@@ -52,7 +53,7 @@ def warnings(model: TorqueModel, beside: bool = False) -> list[str]:
         doubt = "" if surely else "; that may be chance"
         if surely or now > (1.0 + MUCH_WORSE) * was > 0.0:
             lines.append(
-                f"joint {j + 1}: its error rises from {was:.3g} to {now:.3g} "
+                f"joint {j + 1}: its error rises from {rounded(was, 3)} to {rounded(now, 3)} "
                 f"{model.robot.torque_unit(j)} against {model.parent or 'the model as given'}"
                 f"{' with what it lacked' if beside else ''}, which stays as it is{doubt}"
             )

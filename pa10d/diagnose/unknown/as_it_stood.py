@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.common.words import joint_words, listed, percent
+from pa10d.common.words import joint_words, listed, percent, rounded
 from pa10d.diagnose.constants import BROKEN_SHARE, MATERIAL_GAIN, MATERIAL_REST, MOVED_FAR
 from pa10d.diagnose.regression.partial import bounded
 from pa10d.diagnose.regression.state import SearchState, Suspects
@@ -67,14 +67,14 @@ def stood_words(
     worst = int(np.argmax(np.where(far, given / np.maximum(least, 1e-300), 0.0)))
     alike = [j for j in np.flatnonzero(far).tolist() if j != worst]
     where = (
-        f"moving within its own doubt it leaves {left[worst]:.3g}"
+        f"moving within its own doubt it leaves {rounded(left[worst], 3)}"
         if left[worst] <= usual[worst]
-        else f"it leaves {usual[worst]:.3g} on its own runs, and {left[worst]:.3g} moving within "
-        "its own doubt,"
+        else f"it leaves {rounded(usual[worst], 3)} on its own runs, and "
+        f"{rounded(left[worst], 3)} moving within its own doubt,"
     )
     said = (
-        f"as it was given the model leaves {given[worst]:.3g} where {where} on joint {worst + 1}"
-        + (f" ({joint_words(alike)} alike)" if alike else "")
+        f"as it was given the model leaves {rounded(given[worst], 3)} where {where} on "
+        f"joint {worst + 1}" + (f" ({joint_words(alike)} alike)" if alike else "")
     )
     change = changes.get(worst)
     if change is not None:
@@ -92,7 +92,7 @@ def alone_words(
     """By joint: what its change takes of its error as the model was given, (n,) N·m, where that is
     most of it."""
     return {
-        j: f"{change.named} alone takes {percent(change.shares[j])} of the {given[j]:.3g} "
+        j: f"{change.named} alone takes {percent(change.shares[j])} of the {rounded(given[j], 3)} "
         f"{units[j]} that the model leaves there as it was given"
         for j, change in changes.items()
     }
@@ -221,7 +221,7 @@ def _sized(robot: Robot, term: Term) -> str:
     nothing = np.zeros((len(term.coefficients),) * 2)
     found = term.effect.values(term.coefficients, nothing, term.shape, {})
     told = [
-        f"{name} about {value.value:.2g}{value.unit_after}"
+        f"{name} about {rounded(value.value, 2)}{value.unit_after}"
         for name, value in in_units_of(robot, term, found).items()
         if name not in term.shape and value.determined
     ]

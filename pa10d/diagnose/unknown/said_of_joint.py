@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from pa10d.common.words import joint_words, listed, percent, times
+from pa10d.common.words import joint_words, listed, percent, rounded, times
 from pa10d.compare.places import Place
 from pa10d.compare.regions import Region
 from pa10d.diagnose.constants import (
@@ -187,9 +187,9 @@ def _nothing_claimed(one: OfJoint) -> str:
         return f"; {one.knocked}"
     if one.material is None and one.rms > MATERIAL_REST * one.most_noise:
         return (
-            f", and motion does not predict it. Hardly more than {one.most_noise:.3g} {one.unit} "
-            "is noise as it was on the runs that the model was fitted to: what is more those do "
-            f"not show, or it came since. {ASK_AGAIN}"
+            f", and motion does not predict it. Hardly more than {rounded(one.most_noise, 3)} "
+            f"{one.unit} is noise as it was on the runs that the model was fitted to: what "
+            f"is more those do not show, or it came since. {ASK_AGAIN}"
         )
     if one.material is None:
         return (
@@ -443,9 +443,9 @@ def _not_new(one: OfJoint) -> str:
             "missing, not what changed."
         )
     return (
-        f" On the data that it was identified from the model left {one.lacked:.3g} {one.unit}, and "
-        "another motion may show twice what it lacked there: ask what is missing. What has changed "
-        "a recording of the same motion would show."
+        f" On the data that it was identified from the model left {rounded(one.lacked, 3)} "
+        f"{one.unit}, and another motion may show twice what it lacked there: ask what "
+        "is missing. What has changed a recording of the same motion would show."
     )
 
 
@@ -453,8 +453,8 @@ def _moved(one: OfJoint) -> str:
     if one.left_unmoved is None:
         return ""
     return (
-        f" Where it was not moved the model leaves {one.left_unmoved:.3g} {one.unit} there: within "
-        "its own doubt it was moved to suit the fitted runs."
+        f" Where it was not moved the model leaves {rounded(one.left_unmoved, 3)} {one.unit} "
+        "there: within its own doubt it was moved to suit the fitted runs."
     )
 
 
@@ -471,15 +471,10 @@ def _curve(one: OfJoint) -> str:
 
 
 def _size(one: OfJoint) -> str:
+    keeps = f"Joint {one.joint + 1} keeps {rounded(one.rms, 3)} {one.unit}"
     if one.source is None:
-        return (
-            f"Joint {one.joint + 1} keeps {one.rms:.3g} {one.unit}; its noise floor is not known "
-            "from this data"
-        )
-    return (
-        f"Joint {one.joint + 1} keeps {one.rms:.3g} {one.unit}, {times(one.ratio)} its noise floor "
-        f"({_floor_doubt(one)}from {one.source})"
-    )
+        return f"{keeps}; its noise floor is not known from this data"
+    return f"{keeps}, {times(one.ratio)} its noise floor ({_floor_doubt(one)}from {one.source})"
 
 
 def _floor_doubt(one: OfJoint) -> str:
