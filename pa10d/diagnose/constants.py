@@ -138,6 +138,7 @@ UNSURE_FLOOR = 0.2  # relative standard error of a noise floor, from which on it
 OF_NOISE = 0.5  # of what a finding took, that noise of the angles makes: most of it is no effect
 SHARE_OFF = 4.0  # standard errors by which a torque is more or less than its shape says: one of ten
 # thousand right ones
+SHARE_FAR = 0.1  # of a torque, by which it is told as more or less than that
 OWN_SHARE = 0.3  # of its squared error that an effect's own joint loses where it is told by that
 BROKEN_SHARE = 0.5  # of a joint's squared error, gone where runs, or their two parts, may differ:
 #   most of it

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from bare_sides import ar1
+from scipy.spatial.transform import Rotation
 from test_zeros_and_tilt import FIT, HELD, of_turret, turret
 
 from pa10d.diagnose.outcome.words import unexplained
@@ -68,12 +69,18 @@ def elsewhere(joint, kind, by, urdf=False):
     ],
 )
 def test_a_frame_elsewhere_is_told_with_its_joint_and_size(joint, kind, by, urdf):
-    told = told_of(*elsewhere(joint, kind, by, urdf))
+    runs, robot = elsewhere(joint, kind, by, urdf)
+    told = told_of(runs, robot)
     assert {one.joint for one in told} == {0, 1, 2}
     (where,) = told[0].misplaced
     assert (where.freedom.joint, where.freedom.kind) == (joint, kind)
     truth = -np.array(by) if urdf else np.array(by)
     assert np.linalg.norm(where.by - truth) < 0.1 * np.linalg.norm(truth)
+    if kind == "axis":
+        there = Rotation.from_rotvec(truth).apply(robot.axis[joint]) - robot.axis[joint]
+        most = int(np.argmax(np.abs(there)))
+        way = ("-" if there[most] < 0.0 else "+") + "xyz"[most]
+        assert f"mostly towards {way} of its own frame" in where.words
 
 
 @pytest.mark.parametrize(

@@ -160,8 +160,8 @@ def test_a_spring_whose_torque_is_not_its_own_may_stand_in_for_another():
     [(0.69, 0.044, True), (0.69, 0.1, False), (1.02, 0.001, False), (1.0, 0.05, False)],
 )
 def test_a_spring_that_does_not_pass_all_of_its_joint_s_torque_is_doubted(share, error, doubted):
-    """A base on springs: elasticity of a joint that does not give, its share 7 errors off."""
-    line = Remaining(0, 0.15, 0.1, "high frequencies", False, True, None, (), "")
+    """A base on springs: elasticity of a joint that does not give, its share 7 errors off. Where
+    the joint kept 2.3 times its floor only that was said."""
     term = Term("joint_elasticity", (0,), np.array([share]), {"K": 850.0, "zeta": 0.08})
     finding = Finding(
         term,
@@ -169,8 +169,11 @@ def test_a_spring_that_does_not_pass_all_of_its_joint_s_torque_is_doubted(share,
         *(np.array([0.4]), np.array([0.15])),
         *(1e-9, 1.0, Value(0.4, 0.1, "N·m"), (), None, "Joint 1 gives."),
     )
-    said = _beside_more(finding, [line]).sentence
-    assert ("a frame that gives" in said) == doubted
+    for floor in (0.1, 0.06):
+        line = Remaining(0, 0.15, floor, "high frequencies", False, True, None, (), "")
+        said = _beside_more(finding, [line]).sentence
+        assert ("a frame that gives" in said) == doubted
+        assert ("for what is missing there" in said) or not (doubted and floor < 0.1)
 
 
 @pytest.mark.parametrize(("error", "doubted"), [(0.028, True), (0.1, False)])
@@ -185,7 +188,25 @@ def test_a_gap_whose_torque_is_surely_not_its_own_may_stand_in(error, doubted):
         *(1e-9, 1.0, Value(0.4, 0.1, "N·m"), (), None, "Joint 1 has play."),
     )
     said = _beside_more(finding, [line]).sentence
-    assert said.endswith("for what is missing there.") == doubted
+    assert ("for what is missing there." in said) == doubted
+
+
+@pytest.mark.parametrize(
+    ("share", "error", "told"), [(0.834, 0.01, True), (0.834, 0.05, False), (0.95, 0.005, False)]
+)
+def test_play_whose_torque_is_less_than_its_law_says_tells_so(share, error, told):
+    """Play of a small servo at its floor: 0.83 ± 0.01, and nothing was said of that."""
+    line = Remaining(0, 0.1, 0.1, "high frequencies", False, False, None, (), "")
+    term = Term("backlash", (0,), np.array([share]), {"b": 0.022})
+    finding = Finding(
+        term,
+        {"share": Value(share, error, "1")},
+        *(np.array([0.7]), np.array([0.1])),
+        *(1e-9, 1.0, Value(0.7, 0.1, "N·m"), (), None, "Joint 1 has play."),
+    )
+    said = _beside_more(finding, [line]).sentence
+    assert ("comes out at 0.83 ± 0.01 and not at 1" in said) == told
+    assert said.startswith("Joint 1 has play.")
 
 
 def test_what_the_band_hides_is_said_where_nothing_was_found_in_it():

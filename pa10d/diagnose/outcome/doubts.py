@@ -12,6 +12,7 @@ from dataclasses import replace
 from pa10d.common.words import listed, times
 from pa10d.diagnose.constants import (
     BEYOND_SLOW_NOISE,
+    SHARE_FAR,
     SHARE_OFF,
     STANDS_BESIDE_MORE,
     STANDS_IN,
@@ -32,6 +33,15 @@ ONE_CURVE = (
 ONE_FORCE = (
     " Joint {other} keeps what depends on {on}: a force between the links (a spring, a magnet, a "
     "hose) pulls at both joints, and this may be its share here."
+)
+
+OTHER_SPRING = (
+    " Its share of the joint's torque comes out at {share}, and through a spring in the gear all "
+    "of it passes (1): a frame that gives, or another joint's spring, may be behind it."
+)
+NOT_WHOLE = (
+    " Its share of the joint's torque comes out at {share} and not at 1: the law is not followed "
+    "in full, and its other numbers are known no better than that."
 )
 
 
@@ -96,31 +106,28 @@ def _beside_more(finding: Finding, lines: Sequence[Remaining]) -> Finding:
     told = lines[j].significant or not _whole(finding)
     beside = lines[j].ratio > (STANDS_IN if told else BEYOND_SLOW_NOISE)
     if not (beside or _leaves_more(finding, lines[j])):
-        return replace(finding, sentence=finding.sentence + _of_a_spring(finding))
+        return replace(finding, sentence=finding.sentence + _of_its_share(finding))
     text = (
         f" Joint {j + 1} still keeps {times(lines[j].ratio)} its noise floor: this may stand in "
         "for what is missing there."
     )
-    return replace(finding, sentence=finding.sentence + text)
+    return replace(finding, sentence=finding.sentence + text + _of_its_share(finding))
 
 
-def _of_a_spring(finding: Finding) -> str:
-    """What a spring's own torque says against it: all of the joint's passes through it, whatever
-    the noise. A frame that gives under the arm asks for something like it."""
-    if not finding.term.effect.series_spring:
-        return ""
-    (kind,) = finding.term.effect.coefficients
-    told = finding.parameters.get(kind.name)
-    if told is None:
-        return ""
-    off = abs(told.value - 1.0) > SHARE_OFF * told.std_error_random > 0.0
-    if not off or kind.lower <= told.value <= kind.upper:
-        return ""
-    return (
-        f" Its share of the joint's torque comes out at {told.value:.2g} ± {told.std_error:.1g}, "
-        "and through a spring in the gear all of it passes (1): a frame that gives, or another "
-        "joint's spring, may be behind it."
-    )
+def _of_its_share(finding: Finding) -> str:
+    """What a law's own torque says against it, where its shape alone should settle how much there
+    is: all of a joint's torque passes through a spring in its gear, or through its play, whatever
+    the noise. A frame that gives under the arm asks for something like a spring."""
+    wholes = [c for c in finding.term.effect.coefficients if c.whole_at_one]
+    for kind in wholes:
+        told = finding.parameters.get(kind.name)
+        if told is None or not abs(told.value - 1.0) > SHARE_OFF * told.std_error_random > 0.0:
+            continue
+        least, most = max(kind.lower, 1.0 - SHARE_FAR), min(kind.upper, 1.0 + SHARE_FAR)
+        if not least <= told.value <= most:
+            text = OTHER_SPRING if finding.term.effect.series_spring else NOT_WHOLE
+            return text.format(share=f"{told.value:.2g} ± {told.std_error:.1g}")
+    return ""
 
 
 def _leaves_more(finding: Finding, line: Remaining) -> bool:

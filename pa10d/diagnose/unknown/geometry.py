@@ -48,10 +48,12 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class FrameElsewhere:
     """What is otherwise with a joint, and by how much: by (3,) m in the frame of the link that
-    carries it, the turn of its axis in rad, or (2,) rad that its angle reads wrong."""
+    carries it, the turn of its axis in rad, or (2,) rad that its angle reads wrong; axis (3,) as
+    the URDF has it, in the joint's frame."""
 
     freedom: Freedom
     by: Array
+    axis: Array
 
     @property
     def words(self) -> str:
@@ -59,20 +61,27 @@ class FrameElsewhere:
         joint = self.freedom.joint + 1
         if self.freedom.kind == "axis":
             size = float(np.linalg.norm(self.by))
-            return f"the axis of joint {joint} points about {size:.2g} rad elsewhere"
+            return (
+                f"the axis of joint {joint} points about {size:.2g} rad elsewhere, mostly towards "
+                f"{_way(np.cross(self.by, self.axis))} of its own frame"
+            )
         if self.freedom.kind == "ring":
             size = float(np.linalg.norm(self.by))
             return (
                 f"the angle of joint {joint} reads wrong by up to {size:.2g} rad, once a turn (a "
                 "ring that is not centred)"
             )
-        most = int(np.argmax(np.abs(self.by)))
-        way = ("-" if self.by[most] < 0.0 else "+") + "xyz"[most]
         size = 1e3 * float(np.linalg.norm(self.by))
         return (
-            f"joint {joint} sits about {size:.2g} mm elsewhere, mostly along {way} of the link "
-            "that carries it"
+            f"joint {joint} sits about {size:.2g} mm elsewhere, mostly along {_way(self.by)} of "
+            "the link that carries it"
         )
+
+
+def _way(vector: Array) -> str:
+    """``-z``: the axis that it lies along most."""
+    most = int(np.argmax(np.abs(vector)))
+    return ("-" if vector[most] < 0.0 else "+") + "xyz"[most]
 
 
 @dataclass(frozen=True)
@@ -280,7 +289,9 @@ def _account(state: SearchState, taken: Sequence[_Tried], p_value: float) -> Acc
     evidence = judge(state.held, residual, change, doubt_of(state))
     fits = SLOPES[0] < evidence.slope < SLOPES[1] and evidence.cluster_t > CLUSTERS
     misplaced = [
-        FrameElsewhere(one.freedom, one.freedom.along @ size)
+        FrameElsewhere(
+            one.freedom, one.freedom.along @ size, state.model.robot.axis[one.freedom.joint]
+        )
         for one, size in zip(taken, sizes, strict=True)
         if one.freedom is not None
     ]
