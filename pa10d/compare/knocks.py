@@ -6,11 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from pa10d.common.words import percent
 from pa10d.judgement.residuals import RunResidual
 from pa10d.judgement.scores import moving
+from pa10d.measurement.standstill import since_rest
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -19,18 +21,26 @@ STRETCH = 0.25  # s
 MOST = 0.8  # of the squared error ...
 SHORT = 0.1  # ... in so little of the time; noise of any colour that is over within it has no more
 FEWEST = 40  # stretches: of fewer one is more than a tenth
+START = 0.5  # s after a rest: what has stuck has let go, and the band shows it
+BY_CHANCE = 0.01  # so seldom stretches that have nothing to do with it lie there
+ONLY_THERE = "a knock, a hand, a glitch, or what the arm does only there"
+AFTER_RESTS = (
+    "where the joint moves on after it has stood, most of it: a brake that lets go late, or "
+    "friction, grease or a seal that has stiffened at rest"
+)
 
 
 @dataclass(frozen=True)
 class Knocks:
     """share of a joint's squared error in ``seconds`` of ``of`` s that are judged; the worst of
-    them lies ``at`` s of ``run``."""
+    them lies ``at`` s of ``run``; after_rests: they are where the joint moves on after a rest."""
 
     share: float
     seconds: float
     of: float
     run: str
     at: float
+    after_rests: bool = False
 
     @property
     def words(self) -> str:
@@ -38,7 +48,7 @@ class Knocks:
         return (
             f"{percent(self.share)} of its squared error lies in {self.seconds:.2g} of "
             f"{self.of:.2g} s, the worst of it at {self.at:.3g} s of {self.run}: "
-            "a knock, a hand, a glitch, or what the arm does only there. Look at it over time; "
+            f"{AFTER_RESTS if self.after_rests else ONLY_THERE}. Look at it over time; "
             "identify --robust fits beside such stretches, --leave-out without them"
         )
 
@@ -103,4 +113,20 @@ def knocks(runs: Sequence[RunResidual], joint: int) -> Knocks | None:
         return None
     worst, of = int(np.argmax(found.power)), float(found.time.sum())
     run, begins = used[found.run[worst]].name, float(found.begins[worst])
-    return Knocks(found.share, found.seconds, of, run, begins)
+    after = _after_rests(used, joint, found)
+    return Knocks(found.share, found.seconds, of, run, begins, after)
+
+
+def _after_rests(runs: Sequence[RunResidual], joint: int, found: Moments) -> bool:
+    """Does most of it lie where the joint has just moved on after a rest, and more of the stretches
+    than by chance?"""
+    begins = []
+    for run in runs:
+        rate, speed = run.equation.rate, run.seen.dq[:, joint]
+        moved = run.decimated(since_rest(speed, 1.0 / run.seen.dt)) < START
+        begins.append(_stretches(np.ones(len(moved)), moved, rate)[1] > 0.0)
+    after, counted = np.concatenate(begins), found.time > 0.0
+    share = float(found.power[found.few & after].sum() / found.power[found.few].sum())
+    hit, of = int(np.sum(found.few & after)), int(found.few.sum())
+    chance = scipy.stats.binom.sf(hit - 1, of, float(np.mean(after[counted])))
+    return share > 0.5 and bool(chance < BY_CHANCE)

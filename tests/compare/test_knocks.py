@@ -1,11 +1,13 @@
 """Errors of a few moments are told from those of all the time."""
 
+from types import SimpleNamespace
+
 import compare_arm as arm
 import numpy as np
 import pytest
 
 from pa10d.compare import compare, places, run_residual
-from pa10d.compare.knocks import FEWEST, STRETCH, few_moments, knocks
+from pa10d.compare.knocks import FEWEST, STRETCH, Knocks, _after_rests, few_moments, knocks
 from pa10d.compare.phrases import sentence
 from pa10d.compare.quantities import Quantity
 from pa10d.compare.regions import Region
@@ -44,6 +46,24 @@ def test_what_acts_in_a_few_moments_by_the_motion_is_found_there():
     run = run_residual(arm.model(), arm.recording(2, 60.0, 0.2, contact))
     assert few_moments([(run.error[:, 2], run.judged[:, 2], run.equation.rate)]) is not None
     assert next(p.variable for p in places([run], arm.ROBOT) if p.joint == 2) == "q3"
+
+
+@pytest.mark.parametrize(("late", "told"), [(0.1, True), (1.4, False)])
+def test_what_comes_where_the_joint_moves_on_after_a_rest_is_told_as_that(late, told):
+    """ "A knock, a hand" was said of friction that grows at rest: strokes of 2 s, rests of 1 s."""
+    t = np.arange(0.0, 60.0, 0.02)
+    since = t % 3.0 - 1.0  # s since it moved on
+    speed = np.where(since > 0.0, np.sin(np.pi * np.clip(since, 0.0, 2.0) / 2.0), 0.0)
+    error = np.where((since > late) & (since < late + 0.15) & (t // 3.0 % 3.0 == 0.0), 4.0, 0.05)
+    found = few_moments([(error, since > 0.05, 50.0)])
+    seen = SimpleNamespace(dq=speed[:, None], dt=0.02)
+    run = SimpleNamespace(
+        seen=seen, equation=SimpleNamespace(rate=50.0), decimated=lambda values: values
+    )
+    assert _after_rests([run], 0, found) == told
+    words = Knocks(found.share, found.seconds, 40.0, "r", 4.0, told).words
+    assert ("after it has stood" in words) == told
+    assert ("a knock" in words) != told
 
 
 @pytest.mark.parametrize("lasting", [0.0, 0.3, 1.0])
