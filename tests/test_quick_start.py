@@ -6,10 +6,13 @@ everything else together.
 
 from __future__ import annotations
 
+import gc
 import subprocess
 import sys
 
 import pytest
+
+from pa10d.common.loading import loading
 
 SLOW = (
     "scipy.stats",
@@ -39,3 +42,13 @@ def test_what_is_loaded_late_can_be_told_from_what_is_not():
         [sys.executable, "-c", code], check=True, capture_output=True, text=True
     ).stdout.split()
     assert "scipy.stats" in loaded
+
+
+def test_while_modules_are_loaded_nobody_looks_for_garbage():
+    assert gc.isenabled()
+    with loading():
+        assert not gc.isenabled()
+        with loading():
+            pass
+        assert not gc.isenabled(), "whoever had it off keeps it off"
+    assert gc.isenabled()

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from pa10d.cli.answer import Answer, note
 from pa10d.cli.commands import Subcommands, positive, replace_option, whole_number
 from pa10d.cli.daemon_client import robot_options
+from pa10d.common.loading import loading
 from pa10d.control.laws import LAWS
 
 if TYPE_CHECKING:
@@ -140,12 +141,13 @@ def add_commands(commands: Subcommands) -> None:
 
 def serve(options: argparse.Namespace) -> Answer:
     """``serve``: until interrupted."""
-    from backends.arm_lock import is_simulated
-    from pa10d.api.access import tokens_from
-    from pa10d.api.server import Settings
-    from pa10d.api.server import serve as run
-    from pa10d.daemon.timekeeping import kept_time, slower
-    from pa10d.store.location import data_folder
+    with loading():
+        from backends.arm_lock import is_simulated
+        from pa10d.api.access import tokens_from
+        from pa10d.api.server import Settings
+        from pa10d.api.server import serve as run
+        from pa10d.daemon.timekeeping import kept_time, slower
+        from pa10d.store.location import data_folder
 
     profile, robot = _as_tuned_here(options)
     secret = options.token_file.read_text("ascii", "replace") if options.token_file else ""

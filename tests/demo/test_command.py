@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from small_arm import small_arm
 
 HEADS = ("hidden", "joint", "found", "rms_before", "rms_after", "report")
 
@@ -40,6 +41,7 @@ def test_no_process_stays_behind(tmp_path, blow):
     mark = f"{os.getpid()}-{blow}"
     environment = {**os.environ, "PA10D_TEST_DEMO": mark}
     arguments = ["--hide", "none", "--seed", "1", "--report", str(tmp_path / "report.html")]
+    arguments += ["--profile", str(small_arm(tmp_path))]
     with started(*arguments, env=environment) as demo:
         for line in demo.stderr:
             if "moving" in line:

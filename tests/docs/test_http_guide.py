@@ -10,6 +10,7 @@ import subprocess
 import pyarrow as pa
 import pytest
 from documents import blocks, commands
+from small_arm import small_arm
 
 from pa10d.client import local_daemon
 
@@ -18,8 +19,11 @@ ADDRESS = "http://127.0.0.1:8010"
 
 
 @pytest.fixture(scope="module")
-def arm(tmp_path_factory):
-    with local_daemon(tmp_path_factory.mktemp("guide"), clock="simulated") as client:
+def arm(tmp_path_factory, pytestconfig):
+    """The text's arm has seven joints; most of it says nothing of them."""
+    folder = tmp_path_factory.mktemp("guide")
+    profile = "pa10-sim" if pytestconfig.getoption("--long") else str(small_arm(folder))
+    with local_daemon(folder / "data", profile, clock="simulated") as client:
         yield client
 
 

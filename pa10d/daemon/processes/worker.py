@@ -25,6 +25,7 @@ from typing import Any
 from pa10d.common.disk import disk_words, of_the_disk
 from pa10d.common.errors import NoRoom, Taken, Unsound, UserError
 from pa10d.common.jsonable import JsonObject, plain
+from pa10d.common.loading import loading
 
 FIRST_TO_GO = 600  # oom_score_adj; the service itself is below 0
 ALLOWED = ("pa10d.daemon.jobs.tasks", "pa10d.services.")
@@ -112,7 +113,8 @@ def resolve(call: str) -> Callable[..., Any]:
     module, _, name = call.partition(":")
     if not module.startswith(ALLOWED):
         raise UserError(f"{call}: not a service")
-    function: Callable[..., Any] = getattr(importlib.import_module(module), name)
+    with loading():
+        function: Callable[..., Any] = getattr(importlib.import_module(module), name)
     return function
 
 
