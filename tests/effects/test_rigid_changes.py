@@ -1,5 +1,7 @@
 """Payload, tilt and encoder offset against Pinocchio models that really carry, lean or misread."""
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -71,6 +73,15 @@ def test_tilt_finds_what_an_upright_first_joint_hides():
     assert theta[0] == pytest.approx(0.02, rel=1e-3)
     assert left < 1e-3 * rms(change)
     assert np.hypot(*theta[2:]) == pytest.approx(9.81 * 0.02 * 4.0 * np.hypot(0.2, 0.1), rel=1e-2)
+
+
+def test_a_turn_about_the_vertical_is_no_tilt():
+    """Of an arm on a wall: rx came out at 3e5 rad, drawn by what rounding made of no torque."""
+    context = arm_context(seed=13)
+    wall = replace(context, robot=context.robot.with_gravity(np.array([9.81, 0.0, 1e-15])))
+    about_x, about_y = (effect("base_tilt").columns(wall, (), {})[..., i] for i in (0, 1))
+    assert not about_x.any()
+    assert rms(about_y) > 1.0
 
 
 @pytest.mark.parametrize("offset", [-0.2, 5e-4, 0.06])

@@ -6,6 +6,7 @@ from pa10d.dynamics import inverse_dynamics
 from pa10d.effects.base import Coefficient, Effect, Example, View
 
 SMALL = 1e-6  # rad, where nothing is known of the angle yet
+ROUNDING = 1e-6  # of gravity per rad, that a turn about the vertical seems to add
 
 
 class BaseTilt(Effect):
@@ -54,7 +55,10 @@ class BaseTilt(Effect):
             at = shape.get("rx" if i == 0 else "ry", 0.0) or SMALL
             # turning the base by an angle turns gravity back by it, as the base sees it
             turned = rotation(i, at).T @ robot.gravity
-            tilted = robot.with_gravity((turned - robot.gravity) / at)
+            pulls = (turned - robot.gravity) / at
+            if np.linalg.norm(pulls) <= ROUNDING * size:  # about the vertical, as on a wall
+                continue
+            tilted = robot.with_gravity(pulls)
             out[..., i] = inverse_dynamics(tilted, context.rigid, context.q, zero, zero)
         # a vertical first axis never felt gravity: what it carries off-centre is unknown
         first = int(robot.order[0])
