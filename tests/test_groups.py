@@ -7,7 +7,13 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from groups import asked_for, may_be_in, pytest_collection_modifyitems, pytest_ignore_collect
+from groups import (
+    asked_for,
+    left_out,
+    may_be_in,
+    pytest_collection_modifyitems,
+    pytest_ignore_collect,
+)
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -26,6 +32,23 @@ ROOT = Path(__file__).resolve().parents[1]
 )
 def test_what_every_test_of_an_expression_is_in(expression, groups):
     assert asked_for(expression) == groups
+
+
+def test_what_no_test_of_an_expression_is_in():
+    assert left_out("alone and not browser and not realtime") == ["browser", "realtime"]
+    assert left_out("not alone and not realtime") == ["alone", "realtime"]
+    assert left_out("not (alone and browser)") == left_out("not alone or realtime") == []
+
+
+def test_a_file_is_not_read_where_all_of_it_is_in_a_group_that_is_left_out(tmp_path):
+    asked = SimpleNamespace(option=SimpleNamespace(markexpr="not alone and not realtime"))
+    whole, part = tmp_path / "test_whole.py", tmp_path / "test_part.py"
+    whole.write_text("pytestmark = [pytest.mark.alone, pytest.mark.timeout(9)]\n")
+    part.write_text("@pytest.mark.alone\ndef test_it():\n    pass\n")
+    assert pytest_ignore_collect(whole, asked) is True
+    assert pytest_ignore_collect(part, asked) is None
+    (tmp_path / "conftest.py").write_text("item.add_marker(pytest.mark.alone)\n")
+    assert pytest_ignore_collect(part, asked) is True
 
 
 def test_the_script_s_groups_are_found_by_their_files():
