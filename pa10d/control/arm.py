@@ -98,6 +98,7 @@ class Arm:
         self._asked_off = False  # the backend took in that it shall switch off
         self._falls = 0  # times as its brakes opened, since it ended a motion
         self._together = False  # brakes open with each other's, as was seen since it was connected
+        self._weighs_anew = False  # nobody knows what holds the arm where it is to be held
         self.maybe_powered = False  # given up: the drives were to switch off and have not obeyed
 
     @property
@@ -155,6 +156,7 @@ class Arm:
             raise Refused("enable", self.state, (ArmState.INACTIVE,), why)
         self._admit("enable", self.path.controller)
         self._doubt(self.path.q)
+        self._weighs_anew = self._unknown_at(self.path.q)
         thought = self._holding_torque(self.path.q)
         described = self._weight(self.path.q)
         self.path.power_up(thought, described)
@@ -175,7 +177,14 @@ class Arm:
 
     @property
     def _each_alone(self) -> bool:
-        return self._falls >= ALONE_AFTER and not self._together
+        return (self._weighs_anew or self._falls >= ALONE_AFTER) and not self._together
+
+    def _unknown_at(self, q: Array) -> bool:
+        """Whether an arm that nobody has measured is to be held where it was not held yet: what is
+        thought to hold it is a URDF's word, joint by joint."""
+        if self._was_weighed or not self.path.pushes or self._falls:
+            return False
+        return self._held_by is None or bool(np.abs(q - self._held_by[0]).max() > NEAR)
 
     def disable(self) -> None:
         """Rest first, then brakes on and power off."""
@@ -590,7 +599,8 @@ class Arm:
     def _alone_next(self, fault: Fault) -> Fault:
         """Where several joints fell at once and nobody can tell by what, each brake opens alone
         the next time: what falls then falls by itself, and tells more."""
-        told = fault.kind != "not_held" or fault.weighed or self._each_alone or self._together
+        tried = self._falls >= ALONE_AFTER or self._together
+        told = fault.kind != "not_held" or fault.weighed or tried
         if told or not isinstance(self.backend, OpensOneByOne):
             return fault
         self._falls = ALONE_AFTER

@@ -45,8 +45,9 @@ class KnownJoints:
 
     @property
     def felt(self) -> Array | None:
-        """(n, 10) standard parameters of bodies, where these are not the URDF's alone."""
-        return self.figures.bodies[0] if len(self.figures.bodies) else None
+        """(n, 10) standard parameters of bodies, where these are not the URDF's alone: those that
+        were felt have draws of what they may be as well."""
+        return self.figures.bodies[0] if len(self.figures.bodies) > 1 else None
 
     def document(self) -> JsonObject:
         """For files, clients and other processes; null for what is infinite."""

@@ -94,8 +94,8 @@ class TorquePath:
         return self.time - self._powered_at < FIRST_SECONDS
 
     @property
-    def _pushes(self) -> bool:
-        """Whether this is a first motion."""
+    def pushes(self) -> bool:
+        """Whether this is a first motion: of an arm that nobody has measured."""
         return isinstance(self.controller, Pid) and self.controller.pushes
 
     @property
@@ -253,7 +253,7 @@ class TorquePath:
             self._watch_envelope()
             self._swings.watch(self.dq, self.reference, self.sent)
             self._watch_signs()
-            if self._pushes:
+            if self.pushes:
                 try:
                     self._first_steps.watch(self.q, self.dq, self.sent, self.reference)
                 except LoopFault as violation:
@@ -284,7 +284,7 @@ class TorquePath:
 
     def _watch_signs(self) -> None:
         """While the arm is held for the first time, or stands in a first motion."""
-        if not (self._new or self._pushes):
+        if not (self._new or self.pushes):
             return
         if self.reference.dq.any():
             self._wrong_way.restart()

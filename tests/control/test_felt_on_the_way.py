@@ -114,7 +114,7 @@ def test_shapes_are_the_urdfs_whatever_bodies_weigh(arm, weight):
 
 def test_plans_of_a_measured_arm_keep_its_shapes(arm, monkeypatch):
     profile, robot, known = arm
-    felt = known.figures.but(bodies=0.5 * robot.parameters[None])
+    felt = known.figures.but(bodies=np.stack(2 * [0.5 * robot.parameters]))
     kept = MeasuredJoints(learnt(profile, robot, felt), "", (), "pa10", "f")
     monkeypatch.setattr(experiments, "kept_joints", lambda *_: kept)
     planned = experiments.weighed_arm(None, profile, robot)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from arms import PERIOD, cycles, limits, servo, swing, until
@@ -9,9 +11,13 @@ from fake_backend import FakeBackend, Flywheels
 
 from pa10d.control.arm import ALONE_AFTER, NEAR, Arm
 from pa10d.control.faults import Fault, LoopFault
+from pa10d.control.joint_figures import presumed_figures
 from pa10d.control.journal import Journal
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
+from pa10d.dynamics import robot_from_profile
+from pa10d.profile import load_profile
+from pa10d.services.joints import learnt
 
 INACTIVE, HOLDING = ArmState.INACTIVE, ArmState.HOLDING
 LOAD = 6.0  # N·m that the arm truly needs
@@ -258,3 +264,15 @@ def test_a_joint_keeps_the_torque_that_held_it_alone(arm):
     path.try_alone([1])
     path.dq[:] = 0.0
     assert tried.torque(path.reference, path.q, path.dq)[0] == pytest.approx(sent[0], abs=1e-6)
+
+
+def test_bodies_of_a_urdf_alone_are_not_told_as_felt():
+    """Else an arm counts as weighed before it was, and what its motors could not hold is believed
+    all the same."""
+    profile = load_profile("pa10-sim")
+    robot = robot_from_profile(profile)
+    known = learnt(profile, robot, presumed_figures(robot))
+    assert known.felt is None
+    bodies = np.stack([1.1 * robot.parameters, 1.2 * robot.parameters])
+    weighed = replace(known, figures=known.figures.but(bodies=bodies))
+    assert np.array_equal(weighed.felt, bodies[0])

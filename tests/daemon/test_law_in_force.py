@@ -107,7 +107,7 @@ def test_each_control_that_starts_is_told_what_the_arm_was_felt_to_weigh(robot):
     async def main():
         bodies = np.arange(70.0).reshape(7, 10)
         kept = measured_joints(n=7)
-        figures = kept.known.figures.but(bodies=bodies[None])
+        figures = kept.known.figures.but(bodies=np.stack(2 * [bodies]))
         felt = replace(kept, known=replace(kept.known, figures=figures))
         for joints, told in ((None, None), (kept, None), (felt, bodies)):
             robot.joints, control = joints, Control(robot)

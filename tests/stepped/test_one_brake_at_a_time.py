@@ -11,6 +11,7 @@ from backends.protocol import BackendFault, Feedback
 from pa10d.control.arm import ALONE_AFTER
 from pa10d.control.arm import RESTS as RESTS_AFTER_A_FALL
 from pa10d.control.faults import Fault
+from pa10d.control.gains import first_gains
 from pa10d.control.states import EACH
 
 
@@ -149,3 +150,51 @@ def test_a_brake_that_opens_with_anothers_is_named_before_its_joint_has_gone_far
     with pytest.raises(BackendFault, match="joint 1: left its place in its brake as that of joint"):
         opened([True, True], falls)
     assert went[-1] < GIVES + 0.01
+
+
+def test_an_arm_that_nobody_has_measured_opens_each_brake_alone_at_first(make_world, monkeypatch):
+    """What is thought to hold it is a URDF's word. Not where it was held before; of an arm that
+    fell the falls decide, and of one that was weighed nothing is doubted."""
+    world = make_world()
+    arm, tried = world.arm, []
+    first = first_gains(world.robot, world.profile.control, arm.path.limits.following_error)
+    for name in ("begin_enable", "begin_enable_one_by_one"):
+        as_before = getattr(arm.backend, name)
+        monkeypatch.setattr(
+            arm.backend, name, lambda name=name, begin=as_before: (tried.append(name), begin())
+        )
+
+    def enabled():
+        world.say("enable")
+        yield world.is_in("holding")
+        world.say("disable")
+        yield world.is_in("inactive")
+
+    def story():
+        world.say("connect")
+        yield world.is_in("inactive")
+        yield from enabled()
+        arm._held_by = None
+        world.say("gains", gains=first.document(), bodies=None)
+        yield from enabled()
+        yield from enabled()
+        arm._held_by, arm._falls = None, 1
+        yield from enabled()
+        arm._held_by, arm._falls = None, 0
+        world.say("gains", gains=first.document(), bodies=world.robot.parameters.tolist())
+        yield from enabled()
+
+    world.run(story())
+    assert not world.faults
+    alone = [name == "begin_enable_one_by_one" for name in tried]
+    assert alone == [False, True, False, False, False]
+
+
+def test_a_first_try_of_each_alone_that_tells_nothing_is_not_the_last(world):
+    arm = world.arm
+    arm._weighs_anew = True
+    assert arm._each_alone
+    for again in (True, False):
+        arm.fault = None
+        arm._latch(Fault("not_held", "it fell", 1), RuntimeError())
+        assert arm.fault.alone_next == again
