@@ -139,6 +139,7 @@ OF_NOISE = 0.5  # of what a finding took, that noise of the angles makes: most o
 SHARE_OFF = 4.0  # standard errors by which a torque is more or less than its shape says: one of ten
 # thousand right ones
 SHARE_FAR = 0.1  # of a torque, by which it is told as more or less than that
+LEVEL = 0.1  # sine of the angle to the vertical, from which on gravity loads a first joint
 OWN_SHARE = 0.3  # of its squared error that an effect's own joint loses where it is told by that
 BROKEN_SHARE = 0.5  # of a joint's squared error, gone where runs, or their two parts, may differ:
 #   most of it

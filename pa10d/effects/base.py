@@ -246,6 +246,7 @@ class Effect(ABC):
     # is what is missing, too; any joint may show it, and it takes no rival's place on its own
     only_against_others: ClassVar[str] = ""  # what to know of its value where the model is fitted
     # anew and only what joints contradict each other in shows; {others}: those it is not named on
+    turns_joint: ClassVar[bool] = False  # its joint stands elsewhere than its angle says
     follows_angle: ClassVar[bool] = False  # depends on its joint's angle and on nothing else
     series_spring: ClassVar[bool] = False  # the joint's whole torque passes through a spring with
     # the shapes K, zeta and, where the bodies have taken it in, rotor

@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 
 from pa10d.diagnose.outcome.diagnosis import Finding
-from pa10d.diagnose.outcome.doubts import _beside_more
+from pa10d.diagnose.outcome.doubts import _beside_more, _or_base
 from pa10d.diagnose.outcome.words import none_found, nothing, sentence
 from pa10d.diagnose.procedure import sized
 from pa10d.diagnose.unknown.remaining import Remaining
+from pa10d.dynamics import robot_from_profile
 from pa10d.effects import Value
 from pa10d.figures.of_diagnosis import shown_joint
 from pa10d.model import Term
+from pa10d.profile import load_profile
 
 
 def test_noise_is_noise():
@@ -207,6 +209,20 @@ def test_play_whose_torque_is_less_than_its_law_says_tells_so(share, error, told
     said = _beside_more(finding, [line]).sentence
     assert ("comes out at 0.83 ± 0.01 and not at 1" in said) == told
     assert said.startswith("Joint 1 has play.")
+
+
+@pytest.mark.parametrize(
+    ("kind", "joint", "gravity", "told"),
+    [("encoder_offset", 0, (9.81, 0.0, 0.0), True), ("encoder_offset", 0, (0.0, 0.0, -9.81), False),
+     ("encoder_offset", 1, (9.81, 0.0, 0.0), False), ("torque_offset", 0, (9.81, 0.0, 0.0), False)],
+)  # fmt: skip
+def test_a_zero_of_a_level_first_joint_may_be_the_base(kind, joint, gravity, told):
+    """An arm on a wall, rolled by 0.02 rad: "an encoder offset", and no doubt of it."""
+    robot = robot_from_profile(load_profile("pa10-sim")).with_gravity(np.array(gravity))
+    term, size = Term(kind, (joint,), np.array([0.02]), {}), Value(1.0, 0.1, "N·m")
+    values = np.full(7, 2.0), np.full(7, 1.0)
+    finding = Finding(term, {}, *values, 1e-9, 1.0, size, (), None, "It has an offset.")
+    assert ("A base that has turned" in _or_base(finding, robot).sentence) == told
 
 
 def test_what_the_band_hides_is_said_where_nothing_was_found_in_it():

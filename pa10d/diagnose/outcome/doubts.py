@@ -9,9 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from pa10d.common.words import listed, times
 from pa10d.diagnose.constants import (
     BEYOND_SLOW_NOISE,
+    LEVEL,
     SHARE_FAR,
     SHARE_OFF,
     STANDS_BESIDE_MORE,
@@ -25,6 +28,7 @@ from pa10d.diagnose.unknown.claims import Unexplained
 from pa10d.diagnose.unknown.geometry import Geometry
 from pa10d.diagnose.unknown.remaining import Remaining
 from pa10d.diagnose.unknown.structure import Structure
+from pa10d.dynamics import Robot
 
 ONE_CURVE = (
     " It may be no more than a part of one curve over joint {joint}'s angle (a cam, a "
@@ -38,6 +42,10 @@ ONE_FORCE = (
 OTHER_SPRING = (
     " Its share of the joint's torque comes out at {share}, and through a spring in the gear all "
     "of it passes (1): a frame that gives, or another joint's spring, may be behind it."
+)
+OR_BASE = (
+    " A base that has turned about this joint's axis, by as much the other way, would look the "
+    "same: look at both."
 )
 NOT_WHOLE = (
     " Its share of the joint's torque comes out at {share} and not at 1: the law is not followed "
@@ -55,12 +63,23 @@ def with_doubts(
 ) -> tuple[Finding, ...]:
     """Findings as they are to be read. given: terms that the model had before; lines, unexplained:
     what is left after all of them; geometry: lengths and axes that would do as well."""
-    return tuple(
-        _or_geometry(
-            _or_one_force(one if curve else _beside_more(one, lines), unexplained), geometry
-        )
+    doubted = [
+        _or_one_force(one if curve else _beside_more(one, lines), unexplained)
         for one, curve in _of_curves(state, given, findings)
-    )
+    ]
+    return tuple(_or_base(_or_geometry(one, geometry), state.model.robot) for one in doubted)
+
+
+def _or_base(finding: Finding, robot: Robot) -> Finding:
+    """A zero of a first joint that gravity loads is the base's own angle about that axis."""
+    if not finding.term.effect.turns_joint:
+        return finding
+    (joint,) = finding.term.joints
+    axis = robot.rotation[joint] @ robot.axis[joint]
+    level = np.linalg.norm(np.cross(axis, robot.gravity)) > LEVEL * np.linalg.norm(robot.gravity)
+    if robot.parent[joint] >= 0 or robot.prismatic[joint] or not level:
+        return finding
+    return replace(finding, sentence=finding.sentence + OR_BASE)
 
 
 def _or_one_force(finding: Finding, unexplained: Sequence[Unexplained]) -> Finding:

@@ -17,6 +17,7 @@ class EncoderOffset(Effect):
     question = "changed"
     reaches_other_joints = True
     seen_by_shared_bodies = True
+    turns_joint = True
     uses_model = True
     coefficients = (Coefficient("offset", "rad", -0.5, 0.5),)
     signature = (
