@@ -9,13 +9,17 @@ import numpy as np
 import pytest
 from two_links import V0, recordings, state_of, textbook
 
+from pa10d.diagnose.outcome.words import unexplained
 from pa10d.diagnose.procedure import diagnose, suspicion
+from pa10d.diagnose.search.bent_laws import bent_laws
 from pa10d.diagnose.search.candidates import scan, sharpened
-from pa10d.diagnose.search.judging import Judging, _acts
+from pa10d.diagnose.search.judging import JudgedCandidate, Judging, _acts
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.ripple import order_peaks
 from pa10d.diagnose.search.steps import Search
+from pa10d.diagnose.unknown.remaining import remaining
 from pa10d.effects import effect
+from pa10d.judgement import Judgement, NoiseFloor
 from pa10d.measurement.signals import Lowpass
 from pa10d.model import Term
 
@@ -78,6 +82,37 @@ def test_what_has_no_torque_held_out_is_not_seen():
     assert _acts({0: np.ones((50, 1))}, theta, moved)
     assert not _acts({0: np.zeros((50, 1))}, theta, moved)
     assert not _acts({0: 0.05 * np.ones((50, 1))}, theta, moved)
+
+
+def test_what_the_fitted_runs_alone_show_is_told_as_that():
+    """A spring that is wound beyond 1 rad on a fitted run only: "no effect that was looked for
+    explains it", while to add a contact brought the joint from 2.5 to 1.0 times its floor."""
+    touches = SimpleNamespace(
+        effect=effect("contact"), joints=(0,), shape={"qs": 1.0, "side": 1.0}, gain=100.0
+    )
+    helps = SimpleNamespace(
+        before=np.array([0.25, 0.1]),
+        after=np.array([0.11, 0.1]),
+        p_value=1e-9,
+        slope=1.0,
+        worse=(),
+    )
+    one = JudgedCandidate(touches, helps, 1e-9, acts=False)
+    assert one.unseen
+    assert not one.acceptable
+    assert not one.bent
+    assert JudgedCandidate(touches, helps, 1e-9).acceptable
+    (told,) = bent_laws([one])
+    assert (told.witness, told.variables) == ("unseen", ("q1",))
+    floor = NoiseFloor(np.full(2, 0.1), ("standstill",) * 2, np.full(2, 0.001), np.ones(2))
+    left = Judgement("m", ("run",), 10.0, np.array([0.25, 0.1]), floor)
+    said = remaining(left, [None, None], [told], ["N·m"] * 2)[0].sentence
+    assert "the fitted runs ask for a contact beyond one angle" in said
+    assert "Hold out motion that does" in said
+    whole = SimpleNamespace(
+        only="", contradicted=(), misplaced=(), stood="", frozen=False, unexplained=(told,)
+    )
+    assert unexplained(whole).startswith("The fitted runs ask for a contact beyond one angle in")
 
 
 @pytest.mark.parametrize("slides", [False, True])

@@ -11,6 +11,7 @@ from pa10d.common.jsonable import JsonObject
 from pa10d.common.words import joint_words, listed, percent, rounded, times
 from pa10d.diagnose.constants import BEYOND_NOISE, MATERIAL_GAIN, MATERIAL_REST, OWN_SHARE
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis
+from pa10d.diagnose.unknown.claims import Unnamed
 from pa10d.effects import Effect, Value, effect
 from pa10d.model import Term
 
@@ -256,6 +257,10 @@ def unexplained(found: Diagnosis) -> str:
         )
     if found.stood:
         return f"Something has changed, or was never known: {found.stood}"
+    unseen = [u for u in found.unexplained if isinstance(u, Unnamed) and u.witness == "unseen"]
+    if unseen and named == {u.joint for u in unseen} and not found.frozen:
+        laws = listed(list(dict.fromkeys(f"{u.law} in joint {u.joint + 1}" for u in unseen)))
+        return f"The fitted runs ask for {laws}, and those held out do not go where it acts"
     if not found.frozen:
         return "Something is missing that no effect of the library explains"
     if named <= set(found.lacked):

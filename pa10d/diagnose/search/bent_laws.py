@@ -1,8 +1,10 @@
-"""Laws that would hold, were they still themselves: at the end of its range one is another."""
+"""Laws that would hold, were they still themselves: at the end of its range one is another; or did
+the runs held out go where they act."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Literal
 
 import numpy as np
 
@@ -29,8 +31,10 @@ def bent_laws(judged: Iterable[JudgedCandidate]) -> list[Unnamed]:
         if share > max(CLAIMED_SHARE, best[j].share if j in best else 0.0):
             size = float(np.sqrt(share) * before)
             variables = (f"{QUANTITIES[kind.drawn.against]}{j + 1}",)
-            law = f"{kind.named} with {_ends(kind, one.candidate.shape)}"
-            best[j] = Unnamed(j, share, size, one.p_corrected, "law", variables, law=law)
+            ends = "" if one.unseen else f" with {_ends(kind, one.candidate.shape)}"
+            witness: Literal["law", "unseen"] = "unseen" if one.unseen else "law"
+            law = f"{kind.named}{ends}"
+            best[j] = Unnamed(j, share, size, one.p_corrected, witness, variables, law=law)
     return list(best.values())
 
 

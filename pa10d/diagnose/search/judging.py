@@ -43,6 +43,7 @@ class JudgedCandidate:
     usual: Array | None = None
     fit_gain: float | None = None  # of the joints that speak, where not all of them do
     is_itself: bool = True
+    acts: bool = True  # on the held-out side, too
     as_given: Array | None = None  # (n,) N·m RMS that a frozen model leaves as it was
     at_most: Array | None = None  # (n,) N·m RMS that it may leave though nothing changed
 
@@ -79,7 +80,17 @@ class JudgedCandidate:
         return self._holds and self.candidate.effect.bent(self.candidate.shape)
 
     @property
+    def unseen(self) -> bool:
+        """It would hold, but acts on the fit side alone: what it helps held out it does by what
+        the bodies become beside it."""
+        return self._explains and not self.acts
+
+    @property
     def _holds(self) -> bool:
+        return self._explains and self.acts
+
+    @property
+    def _explains(self) -> bool:
         """Significant, of the predicted size, material, itself, and harmful to no joint; of a model
         that is kept as it was, more than it lacked before, and less is left than it leaves as it
         is: moved within its own doubt to suit the fit side alone it may do worse than that."""
@@ -141,8 +152,8 @@ class Judging:
             change,
             usual,
             self._gain_of(fit, seen, told),
-            self.is_itself(candidate.effect, candidate.joints, candidate.shape)
-            and _acts(columns, partial.theta, change),
+            self.is_itself(candidate.effect, candidate.joints, candidate.shape),
+            _acts(columns, partial.theta, change),
             self.state.as_given,
             self.state.usual,
         )
@@ -227,8 +238,8 @@ class Judging:
             {},
             usual,
             self._gain_of(rest, seen, told),
-            self.is_itself(candidate.effect, candidate.joints, candidate.shape)
-            and _acts(held, partial.theta, change),
+            self.is_itself(candidate.effect, candidate.joints, candidate.shape),
+            _acts(held, partial.theta, change),
             self.state.as_given,
             self.state.usual,
         )

@@ -164,5 +164,5 @@ def _says_more(state: SearchState, best: JudgedCandidate, other: JudgedCandidate
     own = list(best.candidate.joints or range(state.held.n))
     elsewhere = {*other.candidate.joints} != {*best.candidate.joints}
     less = np.all(other.evidence.after[own] < best.evidence.after[own])
-    whole = other.is_itself and not other.evidence.worse
+    whole = other.is_itself and other.acts and not other.evidence.worse
     return bool(elsewhere and whole and other.gain > best.gain and less)

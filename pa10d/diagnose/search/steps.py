@@ -62,7 +62,8 @@ class Search:
     steps: list[Addition] = field(default_factory=list)
     rival_gains: dict[int, Structure] = field(default_factory=dict)  # by joint: leave less alone
     outdone: dict[int, tuple[tuple[str, ...], float]] = field(default_factory=dict)  # see contest
-    bent: tuple[JudgedCandidate, ...] = ()  # that the last look refused for their shape alone
+    bent: tuple[JudgedCandidate, ...] = ()  # that the last look refused for their shape
+    # alone, or because the held-out side does not go where they act
     bent_since: dict[Place, JudgedCandidate] = field(default_factory=dict)  # once they were refined
     followed: set[int] = field(default_factory=set)  # joints of which no spring held, and in which
     # nothing was found since
@@ -122,7 +123,7 @@ class Search:
         while added < steps:
             self.progress(added / steps, f"step {added + 1}: looking through the library")
             good, judged = look(self._judging(self.suspects), refused | put_off)
-            self.bent = tuple(j for j in judged if j.bent)
+            self.bent = tuple(j for j in judged if j.bent or j.unseen)
             before = rms(self.state.held_residual())
             spring = self.spring_beside(good)
             if spring is not None:

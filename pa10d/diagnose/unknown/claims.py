@@ -62,6 +62,7 @@ class Unnamed:
         "ring",
         "step",
         "law",
+        "unseen",
         "sway",
         "stamps",
     ]

@@ -113,10 +113,14 @@ def _depends(one: OfJoint) -> str:
     left = one.left
     if left is None or not left.variables:
         return ""
-    text = (
-        f"; {percent(left.share)} of its squared error depends on {listed(left.variables)}, and no "
-        "effect that was looked for explains it"
-    )
+    depends = f"; {percent(left.share)} of its squared error depends on {listed(left.variables)}"
+    if isinstance(left, Unnamed) and left.witness == "unseen":
+        return (
+            f"{depends}, as the fitted runs ask for {left.law}: with it they and these are "
+            "explained, but these do not go where it acts, so nothing confirms it. Hold out motion "
+            "that does"
+        )
+    text = f"{depends}, and no effect that was looked for explains it"
     if isinstance(left, Unnamed) and left.witness == "law":
         text += (
             f" in a shape that it may have: {left.law} would, the end of its range, where it is "
