@@ -332,7 +332,8 @@ class Effect(ABC):
         return None
 
     def is_itself(self, shape: Shape, low: float, high: float) -> bool:
-        """Not ``otherwise`` by its name, where the joint was between two angles (rad, m)."""
+        """Not ``otherwise`` by its name, or nothing that was seen, where the joint was between two
+        angles (rad, m)."""
         return True
 
     def relinearised(self, coefficients: Array, shape: Shape) -> dict[str, float]:

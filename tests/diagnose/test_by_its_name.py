@@ -76,6 +76,24 @@ def test_a_contact_that_is_touched_everywhere_is_a_spring(qs, name):
     assert search.state.terms[given].effect_id == name
 
 
+@pytest.mark.parametrize(("place", "seen"), [(0.0, True), (9.0, False)])
+def test_a_spot_where_the_joint_has_not_been_is_none(place, seen):
+    """ "A worn spot at 2.97 ± 4.1 rad" was named of a joint that ends at 2.4."""
+    rubbing = recordings(6, lambda t, q, dq, ddq: np.tanh(dq / 0.02) * np.exp(-q * q) * [0.0, 2.0])
+    state = state_of(rubbing)
+    given = len(state.terms)
+    search = Search(state, suspicion(("position_friction", (1,)), 2), given)
+    shape = {"qc": place, "w": 1.4, "wave": 0.0}
+    state.push(Term("position_friction", (1,), np.array([2.0]), shape))
+    state.refit()
+    judging = Judging(state, search.suspects, given)
+    assert judging.term(given).is_itself is seen
+    search._call_by_name()  # it has no other name, and stays what it is until it is pruned
+    assert search.state.terms[given].effect_id == "position_friction"
+    in_waves = Term("position_friction", (1,), np.array([2.0]), shape | {"wave": 1.0})
+    assert judging.is_itself(in_waves.effect, (1,), in_waves.shape)
+
+
 def test_what_has_no_torque_held_out_is_not_seen():
     """It helps there by what the bodies became beside it."""
     theta, moved = np.ones(1), {0: np.ones(50), 1: np.ones(50)}

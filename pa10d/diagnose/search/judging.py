@@ -246,7 +246,7 @@ class Judging:
 
     def is_itself(self, kind: Effect, joints: Sequence[int], shape: Shape) -> bool:
         """Where the fit side has been."""
-        if not kind.otherwise:
+        if len(joints) != 1:
             return True
         q = [context.q[:, joints[0]] for context in self.state.train.contexts]
         low, high = min(float(x.min()) for x in q), max(float(x.max()) for x in q)

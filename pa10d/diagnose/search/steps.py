@@ -234,7 +234,9 @@ class Search:
         that is touched everywhere is a spring."""
         for index in range(self.fixed, len(self.state.terms)):
             term = self.state.terms[index]
-            if self._judging(self.suspects).is_itself(term.effect, term.joints, term.shape):
+            judging = self._judging(self.suspects)
+            itself = judging.is_itself(term.effect, term.joints, term.shape)
+            if itself or not term.effect.otherwise:  # what has no other name does not stay
                 continue
             other = effect(term.effect.otherwise)
             if any((t.effect_id, t.joints) == (other.id, term.joints) for t in self.state.terms):

@@ -55,6 +55,10 @@ class PositionFriction(Effect):
         away = (context.q[:, joints[0]] - shape["qc"]) / shape["w"]
         return np.cos(away) if shape["wave"] else np.exp(-0.5 * away**2)
 
+    def is_itself(self, shape, low, high):
+        # beyond where the joint has been a spot is a slope, and any curve's end is one
+        return bool(shape["wave"]) or low <= shape["qc"] <= high
+
     def starts(self, context, joints):
         low, high = np.quantile(context.q[:, joints[0]], [0.03, 0.97])
         span, middle = max(high - low, 1e-3), 0.5 * (low + high)
