@@ -53,7 +53,7 @@ def demo(options: argparse.Namespace) -> Answer:
     profile = load_profile(options.profile)
     hidden = hide(options.hide, seed, profile)
     bench = Bench(profile, hidden, seed)
-    tell("The whole story takes one to three minutes on most machines; Ctrl-C ends it.")
+    tell("The whole story takes two to five minutes on most machines; Ctrl-C ends it.")
     tell(
         f"1. A simulated {profile.name} and its daemon start, in simulated time, on a bus of their "
         f"own (seed {seed})."

@@ -125,7 +125,7 @@ def test_what_the_fitted_runs_alone_show_is_told_as_that():
     floor = NoiseFloor(np.full(2, 0.1), ("standstill",) * 2, np.full(2, 0.001), np.ones(2))
     left = Judgement("m", ("run",), 10.0, np.array([0.25, 0.1]), floor)
     said = remaining(left, [None, None], [told], ["N·m"] * 2)[0].sentence
-    assert "the fitted runs ask for a contact beyond one angle" in said
+    assert "gone with a contact beyond one angle, which the fitted runs ask for" in said
     assert "Hold out motion that does" in said
     whole = SimpleNamespace(
         only="", contradicted=(), misplaced=(), stood="", frozen=False, unexplained=(told,)

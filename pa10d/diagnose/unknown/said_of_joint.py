@@ -116,9 +116,8 @@ def _depends(one: OfJoint) -> str:
     depends = f"; {percent(left.share)} of its squared error depends on {listed(left.variables)}"
     if isinstance(left, Unnamed) and left.witness == "unseen":
         return (
-            f"{depends}, as the fitted runs ask for {left.law}: with it they and these are "
-            "explained, but these do not go where it acts, so nothing confirms it. Hold out motion "
-            "that does"
+            f"{depends}, and would be gone with {left.law}, which the fitted runs ask for; but "
+            "these do not go where it acts, so nothing confirms it. Hold out motion that does"
         )
     text = f"{depends}, and no effect that was looked for explains it"
     if isinstance(left, Unnamed) and left.witness == "law":
