@@ -15,7 +15,7 @@ from hypothesis import settings
 settings.register_profile("any machine", deadline=None)
 settings.load_profile("any machine")
 
-pytest_plugins = ["clock_witness", "groups"]
+pytest_plugins = ["by_default", "clock_witness", "groups"]
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 

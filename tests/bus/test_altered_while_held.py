@@ -37,6 +37,7 @@ def written(other, axis: int, index: int, value: int, size: int, sub: int = 0) -
     other.sdo(axis, head.hex(), value)
 
 
+@pytest.mark.by_default("24702")
 @pytest.mark.parametrize(
     ("index", "sub", "value", "size", "text"),
     [

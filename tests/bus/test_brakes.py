@@ -50,6 +50,7 @@ def sequence_of(bus: VirtualBus, node: int) -> list[str]:
     return [word for k, word in enumerate(said) if k == 0 or word != said[k - 1]]
 
 
+@pytest.mark.by_default("fault")
 @pytest.mark.parametrize(
     "ends",
     [
@@ -127,6 +128,7 @@ def test_an_output_that_the_drive_refuses_is_a_fault(tmp_path: Path) -> None:
         assert "`brake_output`" in (Path(__file__).parents[2] / "docs" / "faults.md").read_text()
 
 
+@pytest.mark.by_default("fault")
 @pytest.mark.parametrize(
     "ends", [pytest.param("quick stop", marks=pytest.mark.long), "fault", "refused quick stop"]
 )

@@ -98,6 +98,7 @@ def assert_stops(arm: CanopenBackend, driver: Driver) -> None:
     raise AssertionError("the arm does not stop")
 
 
+@pytest.mark.by_default("2-0-silent", "9-8976", "12-90000")
 @pytest.mark.parametrize(
     ("kind", "argument", "expected", "text"),
     [

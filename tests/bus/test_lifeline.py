@@ -36,6 +36,7 @@ def missing_us(bus: VirtualBus, axes: int) -> list[int]:
     return sorted(found)
 
 
+@pytest.mark.by_default("lacking0")
 @pytest.mark.parametrize("lacking", [(), (0x1016,)])
 def test_every_drive_notices_our_death_by_heartbeats_or_by_guarding(
     tmp_path: Path, lacking: tuple[int, ...]
@@ -52,6 +53,7 @@ def test_every_drive_notices_our_death_by_heartbeats_or_by_guarding(
         assert missing_us(other.bus, 2) == [10, 11]
 
 
+@pytest.mark.by_default("lacking0")
 @pytest.mark.parametrize(
     ("lacking", "risks"),
     [

@@ -98,6 +98,7 @@ def test_identity_is_compared() -> None:
         configure(node, other)
 
 
+@pytest.mark.by_default("eds2")
 @pytest.mark.parametrize(
     ("eds", "rated"),
     [(EPOS4, EPOS4_RATED), pytest.param(EROB, 1.0, marks=pytest.mark.long), (GENERIC, 1.0)],

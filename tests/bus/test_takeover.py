@@ -67,6 +67,7 @@ def test_all_joints_are_refused_at_once_each_in_a_line(profile: Profile) -> None
     assert caught.value.kind == "setup"
 
 
+@pytest.mark.long
 def test_one_refused_joint_is_named_as_ever(profile: Profile) -> None:
     with second_master(profile, 2) as node:
         node.sdo[0x607E].raw = 0x80

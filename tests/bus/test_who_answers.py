@@ -29,6 +29,7 @@ def exchanged(configure):
     return wrongly
 
 
+@pytest.mark.by_default("False")
 @pytest.mark.parametrize("crossed", [True, False])
 def test_exchanged_cob_ids_are_named(tmp_path: Path, monkeypatch, crossed: bool) -> None:
     profile = make_profile(tmp_path, 2, each={1: {"zero_offset": 0.4}})

@@ -45,6 +45,7 @@ def test_a_clean_recording_is_silent(clean, robot):
     assert _said(clean, robot) == []
 
 
+@pytest.mark.by_default("2--1-1")
 @pytest.mark.parametrize(
     ("joint", "q", "tau", "line"),
     [
@@ -57,6 +58,7 @@ def test_a_joint_turned_round_is_named_with_its_line(clean, robot, joint, q, tau
     assert _said(_turned(clean, joint, q, tau), robot) == [("turned", joint, line)]
 
 
+@pytest.mark.by_default("joints1")
 @pytest.mark.parametrize("joints", [(3, 4), (1, 2, 3, 4, 5, 6)])
 def test_torques_turned_round_together_are_named_by_friction_that_would_drive(clean, robot, joints):
     """What joints do to each other is then as good with the others turned round instead."""

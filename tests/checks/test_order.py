@@ -32,6 +32,7 @@ def test_every_joint_in_its_place_is_silent(clean, robot):
     assert list(check_order(clean, robot)) == []
 
 
+@pytest.mark.by_default("order0")
 @pytest.mark.parametrize(
     ("order", "moved"),
     [

@@ -50,6 +50,7 @@ def test_nine_blocks_of_a_slow_channel_turn_no_neighbour_round(shared_data):
     assert _said(replace(run, q=q, dq=None), case.robot) == [("turned", 2)]
 
 
+@pytest.mark.long
 def test_a_forearm_turned_round_is_seen_beside_a_wrist_that_no_textbook_knows(shared_data):
     """An LWR4's: the sum over all joints hardly fell, and nothing was said."""
     case = bench_real.case(ALWAYS)
@@ -59,6 +60,7 @@ def test_a_forearm_turned_round_is_seen_beside_a_wrist_that_no_textbook_knows(sh
     assert [mend.field for mend in found.mends] == ["tau4"]
 
 
+@pytest.mark.by_default("50.0")
 @pytest.mark.parametrize("factor", [0.1, 50.0])
 def test_one_torque_in_another_unit_is_told_with_what_it_lacks(shared_data, factor):
     """A tenth of the elbow's: nothing was said, and its neighbour's error was "no more than noise"

@@ -124,6 +124,7 @@ def test_a_typo_is_said_before_anything_is_started(place, capsys, monkeypatch, c
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.by_default("more0", "more2")
 @pytest.mark.parametrize(
     ("more", "said"),
     [
@@ -139,6 +140,7 @@ def test_a_typo_is_said_before_anything_is_computed(fitted, capsys, more, said):
     assert "%" not in err  # no progress was made
 
 
+@pytest.mark.by_default("0", "nan")
 @pytest.mark.parametrize("cutoff", ["0", "nan", "1e-300", "-1", "inf"])
 def test_a_cutoff_that_no_filter_has_is_one_line(fitted, capsys, cutoff):
     """``1e-300`` overflowed, ``0`` divided by itself, and ``nan`` became no integer."""
@@ -160,6 +162,7 @@ def test_a_cutoff_that_no_filter_has_is_one_line(fitted, capsys, cutoff):
         identify([run], robot, name="m1", cutoff=float(cutoff))
 
 
+@pytest.mark.by_default("more0")
 @pytest.mark.parametrize(
     ("more", "said"),
     [

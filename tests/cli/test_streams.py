@@ -28,6 +28,7 @@ def test_a_terminal_without_our_letters(tmp_path):
     assert not found[0]["equation"].isascii(), "nothing was shown"
 
 
+@pytest.mark.by_default(">&-")
 @pytest.mark.parametrize("closed", [">&-", "<&- >&- 2>&-"])
 def test_a_closed_stream_leads_nowhere(tmp_path, closed):
     found = typed(f"{COMMAND} profile list {closed}", tmp_path)

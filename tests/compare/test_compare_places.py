@@ -89,6 +89,7 @@ def test_a_late_drift_is_found_in_time():
     assert best.what.low == pytest.approx(30.0, abs=3.0)
 
 
+@pytest.mark.by_default("0.99")
 @pytest.mark.parametrize("coloured", [0.0, 0.99])
 def test_noise_alone_makes_no_place(coloured):
     for seed in range(4):

@@ -194,6 +194,7 @@ def test_a_bus_that_cannot_be_left_says_why(thrown):
     assert arm.fault is None
 
 
+@pytest.mark.long
 def test_a_stop_of_the_drives_that_breaks_hides_no_reason():
     for thrown in THROWN:
         arm, backend = brought_to("running")

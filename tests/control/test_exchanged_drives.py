@@ -36,6 +36,7 @@ def test_exchanged_drives_are_named(robot, pair):
     assert f"joints {pair[0] + 1} and {pair[1] + 1} are exchanged" in said(robot, 1, pair)
 
 
+@pytest.mark.by_default("0")
 @pytest.mark.parametrize("seed", range(4))
 def test_a_rough_urdf_exchanges_none(robot, seed):
     assert said(robot, seed) is None

@@ -128,6 +128,7 @@ def falls(plant, thought, **options):
     return 10
 
 
+@pytest.mark.by_default("0.5-7.9--12.0-1.0")
 @pytest.mark.parametrize("side", [1.0, -1.0])
 @pytest.mark.parametrize(
     ("inertia", "weight", "slope"), [(0.25, 7.9, -9.0), (0.5, 7.9, -12.0), (0.5, 5.0, -9.0)]

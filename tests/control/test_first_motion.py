@@ -212,6 +212,7 @@ def test_a_joint_that_stands_upright_is_held_though_its_urdf_knows_half(tmp_path
     assert arm.known.gains.kp[1] > 20.0
 
 
+@pytest.mark.long  # test_swaying has both joints by themselves
 def test_joints_that_lean_together_are_held_in_every_pose(tmp_path):
     """Three joints at 100 Hz, joint 2 upright on joint 1: both swayed at 0.5 Hz until one fell."""
     arm = foreign(819, tmp_path)

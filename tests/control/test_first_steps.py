@@ -24,6 +24,7 @@ def travelled(arm):
     return np.ptp(arm.ring.layout.get(rows, "q"), axis=0).max()
 
 
+@pytest.mark.by_default("3-100.0-3.0")
 @pytest.mark.parametrize(
     ("joint", "rate", "rubs"),
     [(2, 500.0, 0.0), (3, 100.0, 3.0), (4, 250.0, 1.0), (1, 250.0, 1.0), (6, 250.0, 1.0)],

@@ -158,11 +158,13 @@ def worst_of_a_stroke(
     return worst
 
 
+@pytest.mark.by_default("0.3")
 @pytest.mark.parametrize("way", [0.3, -0.3])
 def test_a_stroke_after_a_creep_keeps_to_its_path(way):
     assert worst_of_a_stroke(2.0, way) < 0.75 * worst_of_a_stroke(0.0, way)
 
 
+@pytest.mark.by_default("-1.9-0.3")
 @pytest.mark.parametrize("way", [0.3, -0.3])
 @pytest.mark.parametrize("held", [1.9, -1.9])
 def test_so_does_one_of_a_joint_whose_weight_is_known(way, held):

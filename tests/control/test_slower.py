@@ -49,6 +49,7 @@ def test_what_is_slow_is_not_made_slower_for_ever(figures):
     assert slower_after(FAST, figures, SLOWEST) is None
 
 
+@pytest.mark.long
 def test_a_joint_that_came_to_its_limit_turns_less_far_each_time(figures):
     """To be slower alone is no room."""
     out = Fault("position_limit", "would stop at 2.55 rad, beyond its limit", axis=1)

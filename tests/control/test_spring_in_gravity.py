@@ -32,6 +32,7 @@ def seen(slope: float, urdf: float) -> Response:
     return Response(LINES, two_bodies(slope), np.full(len(LINES), ERROR), 1.3, urdf)
 
 
+@pytest.mark.by_default("90.0-0.5")
 @pytest.mark.parametrize(("slope", "wrong"), [(-90.0, 2.0), (90.0, 0.5)])
 def test_the_spring_within_its_error(slope: float, wrong: float) -> None:
     fit = fitted_response([seen(slope, wrong * slope)], 0.3, VISCOUS, RATE)

@@ -32,6 +32,7 @@ def arm_with_servo(hertz, viscous=0.05):
     return arm, backend
 
 
+@pytest.mark.by_default("0.4-8.0-0.5", "0.6-6.0-0.25", "1.0-3.0-0.4", "4.0-3.0-0.25", "4.0-3.0-0.5")
 @pytest.mark.parametrize("moment", [0.25, 0.4, 0.5])
 @pytest.mark.parametrize(("hertz", "seconds"), [(0.4, 8.0), (0.6, 6.0), (1.0, 3.0), (4.0, 3.0)])
 def test_a_stop_ends_at_rest(hertz, seconds, moment):

@@ -28,6 +28,7 @@ def test_lines_that_say_nothing_leave_a_usual_one() -> None:
     assert max(found) < 0.002  # up to 5.6 ms by the lines alone
 
 
+@pytest.mark.by_default("4")
 @pytest.mark.parametrize("seed", range(6))
 def test_lines_that_show_a_long_one_are_believed(seed: int) -> None:
     assert fitted(0.02, 0.01, seed).delay == pytest.approx(0.02, abs=0.0015)

@@ -74,6 +74,7 @@ def test_it_is_refused_before_anything_is_started_in_one_line(wrong):
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.long
 @ONE
 def test_serve_says_that_line_and_ends(wrong, tmp_path):
     path, says = wrong

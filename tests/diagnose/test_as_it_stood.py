@@ -81,6 +81,7 @@ def test_what_keeps_no_more_than_noise_has_not_been_left_more(floor, told):
     assert far.tolist() == [told]
 
 
+@pytest.mark.long
 def test_a_change_no_larger_than_what_the_model_lacked_is_not_called_none():
     """An offset of 0.4 N·m beside 0.3 of noise that it always left: "nothing has changed that this
     data can show", while half of that joint's squared error was one constant."""

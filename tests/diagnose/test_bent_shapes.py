@@ -81,6 +81,7 @@ def as_shaped(state, kind, shape):
     return Candidate(effect(kind), (0,), shape, found)
 
 
+@pytest.mark.by_default("0.6")
 @pytest.mark.parametrize(("vs", "rivals"), [(0.6, ["nonlinear_viscous"]), (0.05, [])])
 def test_a_wide_bump_is_told_with_the_curve_that_it_may_be(vs, rivals):
     """Drift had drawn the power to the end of its range: there it left more on the held-out side

@@ -52,6 +52,7 @@ def changed_between(change, seed=5):
     return {**recordings(seed), "fit_b": recordings(seed, change)["fit_b"]}
 
 
+@pytest.mark.by_default("a payload")
 @pytest.mark.parametrize("name", CHANGES)
 def test_what_one_run_asks_for_by_itself_is_told_with_its_joints(name):
     change, joints = CHANGES[name]
@@ -62,6 +63,7 @@ def test_what_one_run_asks_for_by_itself_is_told_with_its_joints(name):
         assert one.share > 0.98
 
 
+@pytest.mark.by_default("False-where0")
 @pytest.mark.parametrize(
     ("before", "where"), [(False, ("fit_a", "fit_b")), (False, ("fit_b",)), (True, ("fit_a",))]
 )
@@ -83,6 +85,7 @@ def test_what_an_arm_picks_up_on_its_way_is_told_with_the_moment(before, where):
         assert f"a payload came or went {one.at:.1f} s into {where[0]}" in one.words
 
 
+@pytest.mark.long
 def test_the_moment_is_said_once_for_all_joints_and_what_to_do():
     runs = recordings(5, lambda t, *moved: more_mass(t, *moved) * (t > MOMENT)[:, None])
     found = asked(runs)
@@ -95,6 +98,7 @@ def test_the_moment_is_said_once_for_all_joints_and_what_to_do():
     assert any("--leave-out" in line for line in found.warnings)
 
 
+@pytest.mark.by_default("0.99")
 @pytest.mark.parametrize("phi", [0.0, 0.99, 0.9995])
 def test_runs_of_one_arm_do_not_contradict_each_other(phi):
     runs = recordings(41, colour=lambda rng, samples: ar1(rng, samples, phi))
@@ -150,6 +154,7 @@ def unlike(runs):
     return unlike_fitted(state, len(state.terms), suspects(True, 2), np.zeros(2))
 
 
+@pytest.mark.by_default("viscous friction")
 @pytest.mark.parametrize("name", CHANGES)
 def test_what_the_held_out_runs_alone_have_is_told(name):
     """A kilogram on a real arm left 4.8 N·m on its shoulder: "motion does not predict it"."""
@@ -162,6 +167,7 @@ def test_what_the_held_out_runs_alone_have_is_told(name):
         assert one.who == "the runs held out contradict the fitted ones"
 
 
+@pytest.mark.by_default("extra")
 @pytest.mark.parametrize("law", [None, stress_that_relaxes(np.random.default_rng(1))])
 def test_held_out_runs_of_the_same_arm_do_not_contradict_the_fitted_ones(law):
     assert unlike(recordings(41, law)) == ()

@@ -62,6 +62,7 @@ def test_friction_that_changed_keeps_its_corner():
     assert kept is None, "its shape is more than a corner"
 
 
+@pytest.mark.by_default("0.2")
 @pytest.mark.parametrize(("qs", "name"), [(-9.0, "spring"), (0.2, "contact")])
 def test_a_contact_that_is_touched_everywhere_is_a_spring(qs, name):
     springy = recordings(6, lambda t, q, dq, ddq: 4.0 * q * [0.0, 1.0])

@@ -111,6 +111,7 @@ def test_what_a_model_lacked_elsewhere_does_not_hide_a_change(joint, again, lost
     assert _loses(diagnosed(again), rose, [5]) is lost
 
 
+@pytest.mark.by_default("0.4-True")
 @pytest.mark.parametrize(("always", "there"), [(0.4, True), (0.0, False)])
 def test_what_a_model_s_own_runs_have_as_well_has_not_changed(always, there):
     """Bumps of friction that a real arm had all along "now" were there: its own runs knew better,

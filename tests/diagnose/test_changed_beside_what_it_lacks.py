@@ -51,6 +51,7 @@ def rubbed(run: Recording) -> Recording:
     return Recording(run.name, run.t, run.q, run.tau + ROSE * np.tanh(speed / 0.05)[:, None])
 
 
+@pytest.mark.long
 def test_what_one_change_alone_explains_better_is_not_told_as_another():
     """More dry friction of a real servo was "a torque gain", and under it stood that friction alone
     takes more: a model that is moved within a wide doubt had taken up half of it."""

@@ -85,6 +85,7 @@ def test_a_change_is_not_told_less_for_being_larger_than_it_may_be(kind, name, v
     assert with_numbers.too_large(term, {name: told}) is kept
 
 
+@pytest.mark.long
 def test_friction_that_came_at_low_speed_is_named_with_its_shape():
     """A joint that ran dry: it was "something that no effect of the library explains"."""
 
@@ -118,6 +119,7 @@ def test_a_doubtful_model_does_not_swallow_a_change():
     assert abs(gain.value - 0.06) < 3 * gain.std_error < 0.006
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_where_nothing_changed_friction_did_not(seed):
     def colour(rng, samples):

@@ -101,6 +101,7 @@ def test_diagnose_clears_a_clean_arm(run):
     assert (found["findings"], found["unexplained"]) == ([], [])
 
 
+@pytest.mark.long
 def test_without_validation_the_answer_says_how_it_was_judged(run):
     _, found, _ = run("diagnose", "m0", "--fit", *FIT)
     assert "every other block of time" in found["judged_on"]
@@ -114,6 +115,7 @@ def test_a_suspicion_is_tested_alone(run):
     assert (found["verdict"], found["findings"]) == ("none", [])
 
 
+@pytest.mark.long  # test_changed asks the same in process
 def test_frozen_tells_what_changed(run):
     """The clean model on runs with the spring: something has changed, and on joint 2."""
     _, found, _ = run("diagnose", "clean0", *sides(), "--frozen")
@@ -178,6 +180,7 @@ def test_improve_stores_every_step(run):
     assert "spring" in json.dumps(shown)
 
 
+@pytest.mark.long
 def test_improve_of_a_complete_model_stores_nothing(run):
     _, made, _ = run("improve", "clean0", *sides("clean_"), "--name", "same")
     assert (made["id"], made["versions"], made["verdict"]) == (None, [], "none")

@@ -89,6 +89,7 @@ def test_z_of_a_chance_change_is_standard_normal(phi):
     assert stats.kstest(p, "uniform").pvalue > 1e-3
 
 
+@pytest.mark.long
 def test_too_little_noise_to_estimate_does_not_make_significance():
     """Slow noise has few independent samples: 30 s hold what looks like hundreds."""
     rng = np.random.default_rng(14)

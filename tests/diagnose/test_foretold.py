@@ -88,6 +88,7 @@ def test_friction_that_follows_how_fast_another_joint_turns_is_foretold_and_told
     assert "joint 1's speed" in found.unnamed().best_from
 
 
+@pytest.mark.long
 def test_a_product_of_two_quantities_is_foretold_from_one_stretch_to_another():
     """Of fitted runs that leave open what the held-out side asks for: "for want of motion"."""
     runs = recordings(8, extra=lambda t, q, dq, ddq: on(1, 0.15 * q[:, 0] * dq[:, 0]))

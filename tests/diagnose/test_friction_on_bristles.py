@@ -53,6 +53,7 @@ def on_place(t, q, dq, ddq):
     return np.column_stack([rubs - COULOMB[0] * smooth_sign(dq[:, 0], V0), np.zeros(len(t))])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("law", "seed", "effect_id", "values"),
     [

@@ -21,6 +21,7 @@ def recorded(name: str, seed: int, late: float) -> Recording:
     return Recording(name, t[steps:], q[steps:], tau[: len(t) - steps])
 
 
+@pytest.mark.by_default("0")
 @pytest.mark.parametrize("seed", range(3))
 def test_runs_that_are_late_by_different_times_are_named(seed):
     """They were fitted with one shift between the two, and no word was said."""
@@ -31,6 +32,7 @@ def test_runs_that_are_late_by_different_times_are_named(seed):
     assert "± 0" in said
 
 
+@pytest.mark.by_default("0.0")
 @pytest.mark.parametrize("late", [0.0, 0.01])
 def test_runs_of_one_logger_are_not(late):
     runs = [recorded("one", 11, late), recorded("other", 12, late)]

@@ -13,6 +13,7 @@ from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.unknown.at_most import most_noise
 
 
+@pytest.mark.by_default("6.0")
 @pytest.mark.parametrize("seconds", [30.0, 6.0])
 def test_what_coefficients_took_along_of_it_is_added(seconds):
     """Of six seconds they take a quarter of the noise's power."""

@@ -42,6 +42,7 @@ def test_an_offset_and_a_spring_are_told_apart_by_moving_farther(model):
     assert np.all(np.abs(moved.q) <= robot().upper + 1e-9)
 
 
+@pytest.mark.long
 def test_a_finding_that_is_in_the_model_already_is_asked_about_as_if_it_were_not(model):
     """The diagnosis asks after it has added the finding."""
     offset = candidate("torque_offset", 1, [0.5])

@@ -56,6 +56,7 @@ def sides(by):
     return identify(runs[:2], robot(), name="m0", cutoff=CUTOFF), runs[:2], runs[2:]
 
 
+@pytest.mark.by_default("dead_band")
 @READ
 def test_what_a_reading_depends_on_is_found_and_told(by, joint, variables, hint):
     model, fit, judge = sides(by)

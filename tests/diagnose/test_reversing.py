@@ -56,6 +56,7 @@ def swing(rng, samples, hertz=1.7):
     )
 
 
+@pytest.mark.by_default("0.9995")
 @pytest.mark.parametrize(
     "pole",
     [

@@ -23,6 +23,7 @@ from pa10d.diagnose.search.ripple import (
 from pa10d.measurement.signals import Lowpass
 
 
+@pytest.mark.by_default("0-12.0", "1-50.5")
 @pytest.mark.parametrize("order", [12.0, 37.0, 50.5])
 @pytest.mark.parametrize("joint", [0, 1])
 def test_the_strongest_line_is_at_the_order_of_the_ripple(order, joint):
@@ -54,6 +55,7 @@ def test_the_order_of_many_turns_is_found_between_coarse_ones(work, monkeypatch)
     assert peak == pytest.approx(71.69, abs=0.5 * 2.0 * np.pi / np.ptp(q))
 
 
+@pytest.mark.by_default("12.0")
 @pytest.mark.parametrize("order", [12.0, 37.0, 90.0])
 def test_a_line_stands_above_its_neighbours(order):
     def extra(t, q, dq, ddq):

@@ -33,6 +33,7 @@ def read_too_high(c3: float):
     return extra
 
 
+@pytest.mark.long
 def test_a_strong_saturation_is_explained_to_the_noise():
     """Two rounds, of a secant that swings about the answer, left several times the noise."""
     c3 = 1.15e-4  # a third more is read than there is at the peaks

@@ -41,6 +41,7 @@ def with_its_power(pace: float):
     return state, first
 
 
+@pytest.mark.by_default("0.4")
 @pytest.mark.parametrize(("pace", "farther"), [(SLOW, True), (1.0, False)])
 def test_it_counts_as_much_as_the_motion_to_judge_asks_for_it(pace, farther):
     state, first = with_its_power(pace)

@@ -103,6 +103,7 @@ def test_a_stored_model_predicts_the_same(runs, removed, tmp_path):
     assert store.history(info)[-1].change == removed.model.change
 
 
+@pytest.mark.by_default("over: [q1, q2]-over: [q1]-coefficients")
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
@@ -171,6 +172,7 @@ WRONG = {
 }
 
 
+@pytest.mark.by_default("two joints", "unknown")
 @pytest.mark.parametrize("case", WRONG)
 def test_a_wrong_choice_is_one_line(runs, case):
     joints, over, expected = WRONG[case]

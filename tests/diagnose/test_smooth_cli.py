@@ -101,6 +101,7 @@ def by_service(data, unexplained):
     )  # fmt: skip
 
 
+@pytest.mark.long
 def test_the_service_takes_the_entry_as_well(by_service, unexplained):
     info, model, warnings = by_service
     assert warnings == []
@@ -151,6 +152,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.by_default("no quantities", "no such joint")
 @pytest.mark.parametrize("case", REFUSED)
 def test_nonsense_is_refused_in_one_line(run, case):
     arguments, expected = REFUSED[case]

@@ -53,6 +53,7 @@ def state() -> SearchState:
     return state_of({name: a_run(name, seed) for seed, name in enumerate(NAMES)})
 
 
+@pytest.mark.by_default("1.04-0.09")
 @pytest.mark.parametrize(("stiffer", "damping"), [(1.3, 0.05), (1.04, 0.09), (2.3, 0.8)])
 def test_bodies_and_spring_are_fitted_at_once(state, stiffer, damping):
     """From another spring and from bodies that are off by a fifth, to the noise."""
@@ -92,6 +93,7 @@ def test_how_the_torque_changes_is_its_difference(state):
             assert error < 0.02 * np.linalg.norm(difference)
 
 
+@pytest.mark.long
 def test_what_a_spring_left_before_it_was_refined_is_not_named_beside_it(state):
     """Stribeck friction of 0.01 N·m was, which "the model without it lacks": 6.2 N·m."""
     spring = JointSpring(1, 1.1 * STIFFNESS, 0.05, 0.0)

@@ -36,6 +36,7 @@ def asked(runs):
     )
 
 
+@pytest.mark.by_default("slipped")
 @pytest.mark.parametrize(("change", "joint"), [(let_go, 1), (slipped, 0)])
 def test_when_and_where_it_changes_is_found(change, joint):
     (step,) = steps_in_time(state_of(recordings(12, change)), [0, 1])
@@ -44,6 +45,7 @@ def test_when_and_where_it_changes_is_found(change, joint):
     assert step.share > 0.98
 
 
+@pytest.mark.by_default("fit_a")
 @pytest.mark.parametrize(("name", "other"), [("fit_a", "fit_b"), ("fit_b", "fit_a")])
 def test_a_fitted_run_without_it_is_no_part_of_it(name, other):
     """Whichever of the others' two states that run is in."""
@@ -54,6 +56,7 @@ def test_a_fitted_run_without_it_is_no_part_of_it(name, other):
     assert step.share > 0.98
 
 
+@pytest.mark.by_default("0.99")
 @pytest.mark.parametrize("phi", [0.0, 0.99, 0.9995])
 def test_no_noise_changes_at_one_moment(phi):
     runs = recordings(41, colour=lambda rng, samples: ar1(rng, samples, phi))

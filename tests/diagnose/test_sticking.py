@@ -29,6 +29,7 @@ def test_the_arm_stands_where_it_turns_round_and_its_derivatives_are_its_own():
     assert np.mean(np.abs(np.gradient(dq, 1 / RATE, axis=0) - ddq)[5:-5]) < 0.02
 
 
+@pytest.mark.by_default("5")
 @pytest.mark.parametrize("seed", [2, 5])
 def test_a_textbook_arm_that_sticks_is_identified_to_its_noise(seed):
     """Its error was 6 to 20 times the noise: the fit was bent by what it did while it stood."""
@@ -47,6 +48,7 @@ def test_what_it_does_while_it_stands_speaks_against_no_finding_either():
     assert np.all(state.moving_rms() < 1.1 * rms(state.held_residual()))
 
 
+@pytest.mark.long
 def test_nothing_is_missing_on_an_arm_that_sticks():
     """It was "none" at 8 times the floor, or a Stribeck friction that nobody put in."""
     runs = sticking_runs(3, NOISE)

@@ -82,6 +82,7 @@ HIDDEN = {
 }
 
 
+@pytest.mark.by_default("lagging angle", "product of two angles")
 @pytest.mark.parametrize("name", HIDDEN)
 def test_structure_is_found_with_its_joint_and_variables(name):
     joint, variables, torque = HIDDEN[name]
@@ -119,6 +120,7 @@ def test_a_map_says_how_large_the_torque_is():
     assert np.corrcoef(found.values[inner], expected)[0, 1] > 0.95
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "colour",
     [

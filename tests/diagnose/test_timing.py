@@ -85,6 +85,7 @@ def late(runs, seconds, joints=(0, 1)):
     return out
 
 
+@pytest.mark.by_default("0.002")
 @pytest.mark.parametrize("seconds", [2e-3, -1.5e-3])
 def test_a_common_offset_is_found_and_taken_out(seconds):
     clean = recordings(1, noise=0.005)
@@ -97,6 +98,7 @@ def test_a_common_offset_is_found_and_taken_out(seconds):
     assert [run.shift for run in state.held.runs] == pytest.approx([seconds] * 2, abs=1e-4)
 
 
+@pytest.mark.by_default("joints0-0.002", "joints1-0.0")
 @pytest.mark.parametrize(("joints", "taken"), [((0, 1), 2e-3), ((1,), 0.0), ((), 0.0)])
 def test_an_offset_that_helps_every_joint_is_taken_though_they_contradict(
     joints, taken, monkeypatch

@@ -79,6 +79,7 @@ def test_a_shifted_zero_is_named_on_its_joint_and_added_by_a_new_fit():
     assert abs(float(made.terms[-1].coefficients[0]) - OFFSET) < 0.02
 
 
+@pytest.mark.long
 def test_a_base_that_leans_is_named():
     """Its error had been called a spring's in the first joint."""
     robot = turret()

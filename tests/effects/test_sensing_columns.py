@@ -26,6 +26,7 @@ def test_gain_is_a_share_of_the_whole_torque():
     assert columns("torque_gain", context, J)[:, 0] == pytest.approx(context.total[:, J])
 
 
+@pytest.mark.by_default("0.06")
 @pytest.mark.parametrize("strength", [0.02, 0.06, 0.1])
 def test_saturation_against_the_roots_of_its_cubic(strength):
     """Measured x with true = x - c3·x³; ``strength`` is c3 times the peak squared."""

@@ -33,6 +33,7 @@ def noisy(truth, seconds=16.0, sigma=0.3, seed=0, rate=RATE):
 # ---- timing -------------------------------------------------------------------------------
 
 
+@pytest.mark.by_default("-0.0035")
 @pytest.mark.parametrize("seconds", [0.006, -0.0035])
 def test_a_common_delay_is_found_and_taken_out(seconds):
     truth = pa10_truth(4)

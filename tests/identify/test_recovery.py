@@ -47,6 +47,7 @@ def test_rnea_torque_is_reproduced_on_a_motion_not_seen(joints, rate):
     assert np.all(relative_error(model, unseen) < 1e-8)
 
 
+@pytest.mark.by_default("branched", "prismatic")
 @pytest.mark.parametrize("name", sorted(ALL))
 def test_any_tree_under_any_mounting(name):
     robot = robot_from_urdf(ALL[name], gravity=np.array([2.0, -5.0, -8.0]))

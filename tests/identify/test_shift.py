@@ -96,6 +96,7 @@ def on_bristles(seed: int, way: float, seconds: float = 0.0, parts: int = 10) ->
     return Recording(t=t, q=q[::parts, None], tau=read[:, None], name=f"bristles{seed}")
 
 
+@pytest.mark.by_default("1-0.003", "2-0.0")
 @pytest.mark.parametrize("seconds", [0.0, 3e-3])
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_what_builds_up_over_a_way_is_no_delay(seed, seconds):

@@ -31,6 +31,7 @@ def told(vs: float, delta: float, v0: float, step: float = 0.0, seed: int = 3) -
     return bump
 
 
+@pytest.mark.by_default("0.002")
 @pytest.mark.parametrize("v0", [0.0003, 0.002])
 def test_reversals_do_not_bend_a_told_bump(v0):
     """What 18 bits a turn make of sharp reversals weighed more than the bump: 0.077 and 0.080."""
@@ -39,6 +40,7 @@ def test_reversals_do_not_bend_a_told_bump(v0):
     assert bump.coefficients[0] == pytest.approx(1.2, rel=0.05)
 
 
+@pytest.mark.by_default("0.16")
 @pytest.mark.parametrize(("vs", "delta", "v0"), [(0.09, 2.0, 0.004), (0.16, 1.4, 0.01)])
 def test_a_told_bump_is_fitted_and_knows_its_errors(vs, delta, v0):
     """It stayed at the nearest of its starts, with a standard error of zero."""

@@ -27,6 +27,7 @@ def first_moment(driving, driven):
     return value.value, value.std_error
 
 
+@pytest.mark.by_default("0.2-0.2")
 @pytest.mark.parametrize(("driving", "driven"), [(0.4, 0.0), (0.2, 0.2), (0.0, 0.0)])
 def test_the_weight_is_within_what_it_states(driving, driven):
     value, error = first_moment(driving, driven)

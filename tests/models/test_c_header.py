@@ -47,6 +47,7 @@ def compiled(text, folder):
     return lambda *rows: call(code.torque, *rows), lambda *rows: call(code.gravity, *rows)
 
 
+@pytest.mark.by_default("coulomb", "joint_elasticity")  # all of them at once below
 @pytest.mark.parametrize("effect_id", sorted(all_effects()))
 def test_every_effect_agrees_when_compiled(effect_id, tmp_path):
     model, motion = examples.with_effects(examples.textbook(), effect_id), examples.motion()

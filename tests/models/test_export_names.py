@@ -34,6 +34,7 @@ def _model(name):
     return replace(model, robot=replace(model.robot, joint_names=('j"""1', r"\N{x}", *joints[2:])))
 
 
+@pytest.mark.by_default("*/ x", 'x"', "7")
 @pytest.mark.parametrize("name", NAMES)
 def test_python_and_c(name, tmp_path):
     module = export(_model(name), "python", "free", about=f"{name} of run {name}").text

@@ -82,6 +82,7 @@ def test_identify_answers_as_promised(ask, data):
     assert again["runs"] == ["fit", "one"]
 
 
+@pytest.mark.by_default("option1")
 @pytest.mark.parametrize("option", [["--robust"], ["--faster-than", "0.05", "0.05", "0.05"]])
 def test_what_counts_in_a_fit_is_asked_for(ask, data, option):
     name = option[0].strip("-")
@@ -159,6 +160,7 @@ def files_in(folder):
 SLOW = ("tables", "matlab", "ros2_control")  # to be made; they are written as the others are
 
 
+@pytest.mark.by_default("urdf", "json")
 @pytest.mark.parametrize(
     "kind", [pytest.param(kind, marks=pytest.mark.long if kind in SLOW else ()) for kind in FORMATS]
 )

@@ -49,6 +49,7 @@ def test_noise_alone_makes_no_boundary():
     assert false <= 1
 
 
+@pytest.mark.by_default("3.0-0.05")
 @pytest.mark.parametrize(("rise", "speed"), [(3.0, 0.05), (3.0, 0.12), (1.5, 0.08), (5.0, 0.2)])
 def test_the_boundary_is_where_extra_friction_becomes_immaterial(rise, speed):
     """Between where it is 10 % of the Coulomb level and where it is 0.5 % of it."""

@@ -23,6 +23,7 @@ DT = 0.002
 ROTORS = [0.75, 0.75, 0.2, 0.2, 0.006, 0.006, 0.006]
 
 
+@pytest.mark.by_default("train_b")
 @pytest.mark.parametrize("kind", ["train_a", "train_b", "valid_b"])
 def test_torque_is_newton_euler_plus_friction(kind):
     profile = seven_axes()

@@ -56,6 +56,7 @@ def test_the_virtual_arm_wakes_up_where_nothing_is_met(name):
 QUICK = ("cobra600", "ur5e")
 
 
+@pytest.mark.by_default("cobra600")
 @pytest.mark.parametrize(
     "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.long) for n in ARMS]
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 
 import numpy as np
+import pytest
 from how_often import how_often
 
 STALL, CALM = 0.15, 0.3  # s: means of how long a process stands still, and goes on
@@ -36,6 +37,7 @@ def starved(world, rng):
     yield world.passes(0.5)
 
 
+@pytest.mark.by_default("2")
 def test_a_starved_arm_does_not_run_away(world, seed):
     world.run(starved(world, random.Random(seed)))
     print(

@@ -42,6 +42,7 @@ def last_answer(world) -> dict:
     return [told for told in world.heard() if "reply" in told][-1]
 
 
+@pytest.mark.by_default("real")
 @pytest.mark.parametrize("clock", ["real", "simulated"])
 def test_a_joint_that_reads_elsewhere_after_a_reset_is_not_powered(make_world, clock):
     world = make_world(simulation={"clock": clock})
@@ -118,6 +119,7 @@ def test_a_reset_that_changes_nothing_needs_no_word(world):
     world.run(story())
 
 
+@pytest.mark.by_default("0.8-True", "None-False")
 @pytest.mark.parametrize(("stood", "refused"), [(0.8, True), (0.003, False), (None, False)])
 def test_the_next_control_process_knows_where_the_arm_stood(world, stood, refused):
     """As the daemon kept it, on disk where it ended itself."""

@@ -10,6 +10,7 @@ from pa10d.control.faults import LoopFault
 WRONG = 1  # 0-based
 
 
+@pytest.mark.by_default("another joint was too fast first")
 @pytest.mark.parametrize(
     ("kind", "named", "faster"),
     [("wrong_sign", WRONG, 0.05), ("not_held", 0, 0.5)],

@@ -38,6 +38,7 @@ def _column(file, name):
         return np.array([float(row[name]) for row in csv.DictReader(text)])
 
 
+@pytest.mark.by_default("kr300-train1", "kuka_lwr4-valid1", "panda-valid1", "ur10-train1")
 @pytest.mark.parametrize(("robot", "name"), FILES, ids=lambda v: v)
 def test_a_real_recording_loads(shared_data, tmp_path, robot, name):
     store, folder = RunStore(tmp_path), shared_data / robot
@@ -73,6 +74,7 @@ def test_what_is_odd_about_them_is_said_and_kept(shared_data, tmp_path):
     assert "i4" in store.recording(ur10).extra
 
 
+@pytest.mark.by_default("s01-train_a", "s04-valid_b")
 @pytest.mark.parametrize(("folder", "name"), SAMPLES, ids=lambda v: v)
 def test_a_simulated_sample_loads_to_the_digit(shared_data, tmp_path, folder, name):
     file = shared_data / "samples" / folder / f"{name}.csv.gz"

@@ -89,6 +89,7 @@ def test_same_seed_same_result_whoever_evaluates(problem, one):
     assert not np.array_equal(one.x, search(problem, 1, 6, refined=1).x)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "processes", [False, pytest.param(True, marks=pytest.mark.long)], ids=["threads", "processes"]
 )
