@@ -94,7 +94,7 @@ class Brakes:
         """
         if not self._axes:
             return words
-        self._now = now
+        self._pass(now)
         self._see(q)
         allowed = list(words)
         for axis in self._axes:
@@ -144,6 +144,13 @@ class Brakes:
         if taken is None:
             return self._now - self._asked[axis] >= GIVEN_UP
         return self._now - taken >= CLOSES_IN - 1e-9
+
+    def _pass(self, now: float) -> None:
+        """Time in which nobody told anything, as after a fault until the reset, is no silence of
+        a drive that had not confirmed by then: it is told once more before it is waited for."""
+        if (unasked := now - self._now) > AGAIN:
+            self._asked = [asked + unasked for asked in self._asked]
+        self._now = now
 
     def _see(self, q: Array) -> None:
         if self._last is not None and self._now > self._last[0]:

@@ -223,6 +223,26 @@ class Told:
             self.brakes.taken(axis)
 
 
+def test_time_in_which_nobody_tells_a_drive_anything_is_no_silence_of_its_own() -> None:
+    """After a fault nothing is sent until the reset; a drive that is back by then is told again."""
+    told = Told(answers=False)
+    brakes, now = told.brakes, 0.0
+    brakes.let_pass(OFF, IS_ENABLED, now, AT)
+    brakes.let_pass(ON, IS_ENABLED, now, AT)
+    for now in (10.0, 10.5):
+        brakes.let_pass(ON, IS_ENABLED, now, AT)
+    assert told.silent == []
+    assert len(told.sent) >= 3, "it was told again"
+    told.answers = True
+    told.brakes.let_pass(ON, IS_ENABLED, 11.0, AT)
+    assert told.silent == []
+    told.answers = False
+    brakes.let_pass(OFF, IS_ENABLED, 11.1, AT)
+    for now in np.arange(11.1, 13.0, 0.02):
+        brakes.let_pass(OFF, IS_ENABLED, float(now), AT)
+    assert told.silent == [1], "that one was asked all the while"
+
+
 def test_power_waits_for_the_brake_and_other_outputs_stay() -> None:
     told = Told()
     brakes, sent = told.brakes, told.sent

@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
+from small_arm import small_arm
 
 from pa10d.client import local_daemon
 
@@ -21,7 +22,9 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def arm(folder):
-    with local_daemon(folder, clock="simulated") as client:
+    """Simulated cycles of three joints pass while nobody is left to answer: brakes had been told
+    to close in vain as the reset came."""
+    with local_daemon(folder, str(small_arm(folder)), clock="simulated") as client:
         yield client
 
 
