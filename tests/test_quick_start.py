@@ -23,6 +23,13 @@ SLOW = (
 )
 
 
+@pytest.mark.by_default(
+    "pa10d.control.__main__",
+    "pa10d.recorder.__main__",
+    "pa10d.api.app",
+    "pa10d.client",
+    "backends.virtual.arm",
+)
 @pytest.mark.parametrize(
     "module",
     ["pa10d.control.__main__", "pa10d.recorder.__main__", "pa10d.api.app", "pa10d.client",

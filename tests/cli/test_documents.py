@@ -121,6 +121,7 @@ def test_what_is_to_be_run_next_has_the_parameters_of_its_kind(kind):
         plans.validate_python({**told, "parameters": {"of_tomorrow": 1}})
 
 
+@pytest.mark.by_default("add", "diagnose", "error", "identify", "run-import", "serve", "weigh-show")
 @pytest.mark.parametrize("name", sorted(KINDS_OF_DOCUMENT))
 def test_schemas_are_printed(name, told, capsys):
     _, document = told("schema", f"pa10d/{name}/1", capsys=capsys)

@@ -123,6 +123,7 @@ def test_a_command_that_does_not_notice_is_ended_with_its_children():
         _wait_for_end(child)
 
 
+@pytest.mark.long
 def test_an_import_interrupted_at_its_file_leaves_nothing(tmp_path):
     """It waits for the first line, which never comes."""
     log = tmp_path / "log.csv"

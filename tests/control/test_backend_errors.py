@@ -114,6 +114,16 @@ MOST_UNLIKE = ("a fault of one axis", "a fault of the bus", "the end of the proc
 ONCE = [(call, thrown) for call in STAGES for thrown in (THROWN if call == "read" else MOST_UNLIKE)]
 
 
+@pytest.mark.by_default(
+    "enable-a fault of one axis",
+    "read-a fault of the bus",
+    "read-an error of the code",
+    "read-no memory",
+    "write-the end of the process",
+    "switching-a fault of one axis",
+    "disable-a fault of the bus",
+    "reset-a fault of one axis",
+)
 @pytest.mark.parametrize(("call", "thrown"), ONCE)
 def test_a_call_that_breaks_once_ends_in_fault_and_says_why(call, thrown):
     for state in STAGES[call]:
@@ -135,6 +145,17 @@ def test_a_call_that_breaks_once_ends_in_fault_and_says_why(call, thrown):
         assert arm.fault is None
 
 
+@pytest.mark.by_default(
+    "enable",
+    "read-enabling",
+    "read-running",
+    "read-stopping",
+    "write-holding",
+    "write-running",
+    "switching-enabling",
+    "reset",
+    "disable",
+)
 @pytest.mark.parametrize(("call", "state"), PAIRS)
 def test_a_call_that_stays_broken_ends_without_torque(call, state):
     for thrown in ("an error of the code", "a fault of the bus"):

@@ -173,6 +173,7 @@ def test_a_foreign_plant_is_understood(tmp_path, foreign):
     assert answer["rms_after"][3] < 0.5 * answer["rms_before"][3]
 
 
+@pytest.mark.long  # test_no_arm has the simulator's own line
 def test_a_plant_that_cannot_be_made_is_said_in_a_line(tmp_path, foreign):
     foreign.write_text(foreign.read_text().replace("foreign_plant:make", "foreign_plant:none"))
     done = subprocess.run(

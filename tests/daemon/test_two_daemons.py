@@ -20,6 +20,7 @@ def until(client, holds, seconds=60.0):
     return robot
 
 
+@pytest.mark.long  # bus/test_one_master refuses the second master in words
 def test_the_second_daemon_is_refused_in_words(bench, tmp_path):
     second = type(bench)(tmp_path, bench.channel, bench.clock)
     holder = bench.pid_of("pa10d.control")

@@ -170,6 +170,7 @@ def test_add_warns_where_nothing_supports_the_effect(run):
     assert made["warnings"]
 
 
+@pytest.mark.long  # test_one_judgement improves by the command, too
 def test_improve_stores_every_step(run):
     _, made, _ = run("improve", "m0", *sides(), "--name", "better")
     assert made["name"] == "better"

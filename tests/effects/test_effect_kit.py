@@ -21,6 +21,16 @@ from pa10d.export.python_module import python_module
 from pa10d.profile import load_profile
 
 
+@pytest.mark.by_default(
+    "backlash",
+    "coulomb",
+    "payload",
+    "spring",
+    "stribeck",
+    "torque_gain",
+    "thermal_friction",
+    "presliding_hysteresis",
+)
 @pytest.mark.parametrize("name", sorted(all_effects()))
 def test_the_library_conforms(name):
     assert [v for v in check(effect(name), draws=3) if not v.passed] == []

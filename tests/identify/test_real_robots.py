@@ -50,6 +50,7 @@ def test_feasible_parameters_are_those_of_possible_bodies(shared_data):
     assert "joint" in said
 
 
+@pytest.mark.long
 def test_chosen_cutoffs_lie_where_a_person_would_put_them(shared_data):
     for name, low, high in (("kuka_lwr4", 2, 10), ("ur10", 3, 12), ("kr300", 5, 15)):
         robot = bench_real.robot_from_urdf(shared_data / name / "robot.urdf")

@@ -43,6 +43,7 @@ def test_the_doubt_is_that_of_what_may_go_one_way_only():
     assert error < 0.06 * abs(value)
 
 
+@pytest.mark.long
 def test_a_diagnosis_says_that_the_weight_may_be_less():
     fit = runs(0.4, 0.0)
     model = identify(fit, PENDULUM, name="m0", cutoff=2.0)

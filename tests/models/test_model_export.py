@@ -36,6 +36,17 @@ def test_textbook_model_and_module_agree_along_a_motion():
     assert found == pytest.approx(model.predict(motion), abs=1e-10)
 
 
+@pytest.mark.by_default(
+    "backlash",
+    "coulomb",
+    "joint_elasticity",
+    "payload",
+    "stribeck",
+    "thermal_friction",
+    "torque_delay",
+    "torque_gain",
+    "presliding_hysteresis",
+)
 @pytest.mark.parametrize("effect_id", sorted(all_effects()))
 def test_every_effect_agrees(effect_id):
     model = examples.with_effects(examples.textbook(), effect_id)

@@ -140,6 +140,9 @@ def test_a_note_that_is_none_is_one_line(store, notes, says):
     assert "\n" not in str(told.value)
 
 
+@pytest.mark.by_default(
+    "backlash", "coulomb", "payload", "stribeck", "torque_gain", "torque_ripple"
+)
 @pytest.mark.parametrize("effect_id", sorted(all_effects()))
 def test_every_effect_comes_back(store, effect_id):
     store.save(examples.textbook())

@@ -118,6 +118,7 @@ def packed(path, out, beside=()):
     return out
 
 
+@pytest.mark.by_default("bag folder, sqlite-bag.tar.gz")
 @pytest.mark.parametrize("ending", ["bag.zip", "bag.tar.gz", "bag.tgz", "bag.tar.bz2", "bag.tar"])
 @pytest.mark.parametrize("kind", ["bag folder, sqlite", "a LeRobot data set"])
 def test_a_packed_folder(tmp_path, motion, robot, ending, kind):
@@ -179,6 +180,7 @@ def bomb(path):
             archive.writestr(name, bytes(300_000_000))
 
 
+@pytest.mark.by_default("evil_tar", "two_files", "nothing_in_it", "cut_off")
 @pytest.mark.parametrize(
     ("make", "name", "says"),
     [

@@ -78,6 +78,25 @@ def test_names_units_and_ranges_make_a_guess(tmp_path, motion, robot):
     assert codes(found) & {"degrees", "time_unit", "commanded"} == set()
 
 
+@pytest.mark.by_default(
+    "csv",
+    "semicolons, decimal comma",
+    "utf-16",
+    "units in a second line",
+    "other names",
+    "iso stamps",
+    "npz",
+    "mat, a struct",
+    "mat 7.3",
+    "parquet",
+    "lerobot",
+    "bag folder, sqlite",
+    "bag folder, mcap",
+    "bag of ROS 1",
+    "hdf5",
+    "can .log",
+    "zip",
+)
 @pytest.mark.parametrize("kind", FILES)
 def test_a_preview_is_what_an_import_makes_of_it(kind, tmp_path, motion, robot):
     profile, arm = robot

@@ -15,7 +15,7 @@ SETTLED = 0.1  # s until brakes that have just closed have swallowed what was le
 
 def pytest_generate_tests(metafunc):
     if "moment" in metafunc.fixturenames:
-        count = how_often(metafunc.config, 2, 50)
+        count = how_often(metafunc.config, 1, 50)
         draw = random.Random(metafunc.function.__name__)
         metafunc.parametrize("moment", [round(draw.uniform(0.0, 1.5), 3) for _ in range(count)])
 
