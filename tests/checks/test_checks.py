@@ -71,6 +71,7 @@ def test_a_sound_recording_has_nothing_against_it(robot):
     assert "10000 samples at 500 Hz, 20.0 s, 7 joints" in findings[0].sentence
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=LONG)])
 def test_friction_that_is_next_to_none_does_not_drive(robot, seed):
     """A sensor behind the gear sees none, and noise gives what is left of it either sign."""

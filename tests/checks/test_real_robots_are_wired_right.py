@@ -21,6 +21,7 @@ bench_real = importlib.import_module("bench_real")
 ALWAYS = "kuka_lwr4"  # its textbook model lacks most of what moves its wrist
 
 
+@pytest.mark.long  # a UR10's run below, by default, is one of them
 @pytest.mark.parametrize(
     "name",
     [

@@ -102,6 +102,7 @@ def test_friction_that_came_at_low_speed_is_named_with_its_shape():
         assert value.std_error < 0.3 * true
 
 
+@pytest.mark.long  # test_as_it_stood has another
 def test_a_doubtful_model_does_not_swallow_a_change():
     """Its coefficients are known to a few percent, as where it lacks something. Thousands of
     samples pulled them far away, and a motor that reads 6 % too high was denied."""

@@ -44,6 +44,7 @@ def test_what_is_remembered_is_no_noise(law, draw):
     _is_said(law, draw)
 
 
+@pytest.mark.long  # test_structure finds such laws by themselves
 def test_findings_do_not_hide_what_remains():
     _is_said(cable_in_the_elbow, 0)
 

@@ -36,6 +36,7 @@ def elsewhere(seed: int, extra=None, colour=None) -> dict[str, Recording]:
     return out
 
 
+@pytest.mark.long
 def test_what_the_held_out_side_cannot_say_is_said_by_stretches_of_the_fit_side():
     runs = elsewhere(5, extra=squeezed)
     found = diagnose(

@@ -109,6 +109,7 @@ def test_a_ring_that_is_not_centred_is_told_with_its_size():
     assert np.allclose(where.by, (0.03, 0.01), atol=4e-3)
 
 
+@pytest.mark.long
 def test_a_gain_that_it_needs_beside_it_stays_named_and_is_not_counted_for_it():
     """The gain was dropped, as if the ring could do without it, and what it takes told of the
     ring."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from test_tails import URDF
 
 from pa10d.diagnose.procedure import diagnose
@@ -27,6 +28,7 @@ def recording(seed: int) -> Recording:
     return Recording(t=t, q=q[:, None], tau=tau[:, None], name=f"run{seed}")
 
 
+@pytest.mark.long  # see test_bent_shapes
 def test_what_it_depends_on_is_told_though_no_shape_of_the_library_fits():
     """It was "motion does not predict it", while a fixed curve against velocity takes half."""
     runs = [recording(10 + k) for k in range(5)]

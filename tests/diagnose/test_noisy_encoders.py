@@ -91,6 +91,7 @@ def test_what_is_wanted_and_not_measured_has_no_noise(rubs):
     assert np.std(seen.quiet_load[:, 1]) < 0.9 * np.std(wanted.load[:, 1])
 
 
+@pytest.mark.long
 def test_two_alike_gears_rub_alike():
     """A double pendulum; by least squares of its filtered torque with the load of gravity alone,
     joint 1 has 0.0665."""

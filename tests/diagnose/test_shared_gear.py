@@ -11,6 +11,7 @@ from pa10d.diagnose.procedure import diagnose
 FORCE = 1.5  # N·m
 
 
+@pytest.mark.long  # test_corners has a load's friction
 @pytest.mark.parametrize("soft", [0.03, pytest.param(0.15, marks=pytest.mark.long)])  # rad/s
 def test_its_size_does_not_depend_on_how_softly_it_turns_round(soft):
     """A sign that was sharper than the gear's left 10 to 39 times the noise, too small a friction

@@ -194,6 +194,7 @@ def test_data_that_says_nothing_of_any_joint_is_refused(runs, model):
         two_sides(model, [run], [still])
 
 
+@pytest.mark.long
 def test_the_others_are_diagnosed_beside_a_joint_at_rest():
     """Joint 2 rests in all runs and is held by torques that no model knows; joint 1 cogs."""
     still = {name: at_rest(seed) for seed, name in enumerate(("fit", "judge"))}

@@ -47,6 +47,7 @@ def test_it_is_named_with_what_it_takes(found):
     assert finding.rms_after[JOINT] < 1.1 * found[0].noise_floor[JOINT]
 
 
+@pytest.mark.long  # effects/test_warm_up has the heat, test_rubbing a search
 def test_heat_and_friction_agree_in_the_model(found):
     """Friction that heats is friction that heat has left over: a fixed point."""
     diagnosis, runs = found

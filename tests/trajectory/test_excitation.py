@@ -120,6 +120,7 @@ class PretendClient:
         return [future.result() for future in futures]
 
 
+@pytest.mark.long
 def test_a_client_with_map_and_gather_is_a_map(problem, one):
     with ThreadPoolExecutor(2) as pool:
         client = PretendClient(pool)
