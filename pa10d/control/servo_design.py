@@ -165,7 +165,19 @@ def _peaks(gains: Array, cases: list[Case], timing: LoopTiming, w: Array) -> Arr
 def _encircles(around: Complex) -> NDArray[np.bool_]:
     """Nyquist's criterion on 1+L (K, F): from where integrators leave it, -90° to -270° (-180° to
     -270° where gravity pulls the joint away), it must come back to 0° without a turn."""
-    angle = np.unwrap(np.angle(around), axis=1)
-    start = np.angle(around[:, 0])
-    turned = angle[:, -1] - angle[:, 0] + np.where(start > 0, start - 2 * np.pi, start)
+    start, end = np.angle(around[:, 0]), np.angle(around[:, -1])
+    turned = end - start + 2 * np.pi * _crossings(around)
+    turned += np.where(start > 0, start - 2 * np.pi, start)
     return np.asarray(np.abs(turned) > 1.0)
+
+
+def _crossings(curves: Complex) -> Array:
+    """(K,) how often each of (K, F) passes the negative real axis, from above more than from below:
+    turns that the angle makes beside what its ends show, without an angle of every point."""
+    above = curves.imag >= 0
+    row, at = np.nonzero(above[:, 1:] != above[:, :-1])
+    before, after = curves[row, at], curves[row, at + 1]
+    turn = before.real * after.imag - before.imag * after.real  # > 0: to the left, by less than π
+    down = above[row, at]
+    passed = np.where(down, turn > 0, turn < 0) * np.where(down, 1.0, -1.0)
+    return np.asarray(np.bincount(row, passed, len(curves)), np.float64)

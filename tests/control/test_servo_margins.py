@@ -16,6 +16,7 @@ from pa10d.control.servo_design import (
     Case,
     JointGains,
     LoopTiming,
+    _crossings,
     asked_gains,
     fitting_gains,
     sensitivity,
@@ -54,6 +55,19 @@ def largest_later(gains: JointGains, case: Case, rate: float) -> float:
         if cycle > 0.9 * cycles:
             late = max(late, abs(angle))
     return late / 1e-3
+
+
+@pytest.mark.parametrize("roams", [0.2, 1.0, 3.0])
+def test_turns_are_those_of_an_angle_that_is_followed_point_by_point(roams):
+    """Curves that pass the negative real axis now one way, now the other, some of them often."""
+    rng = np.random.default_rng(7)
+    steps = rng.standard_normal((400, 120)) + 1j * rng.standard_normal((400, 120))
+    curves = 1.0 + roams * np.cumsum(steps, axis=1)
+    followed = np.unwrap(np.angle(curves), axis=1)
+    ends = np.angle(curves[:, -1]) - np.angle(curves[:, 0])
+    turns = _crossings(curves)
+    np.testing.assert_allclose(followed[:, -1] - followed[:, 0], ends + 2 * np.pi * turns)
+    assert len(np.unique(turns)) >= 4
 
 
 @settings(max_examples=12, deadline=None)
