@@ -181,9 +181,11 @@ class Arm:
 
     def _unknown_at(self, q: Array) -> bool:
         """Whether an arm that nobody has measured is to be held where it was not held yet: what is
-        thought to hold it is a URDF's word, joint by joint."""
-        if self._was_weighed or not self.path.pushes or self._falls:
+        thought to hold it is a URDF's word, joint by joint, but for those that fell since."""
+        if self._was_weighed or not self.path.pushes:
             return False
+        if self._falls:
+            return self._weighs_anew
         return self._held_by is None or bool(np.abs(q - self._held_by[0]).max() > NEAR)
 
     def disable(self) -> None:
@@ -365,6 +367,7 @@ class Arm:
             self.path.catch()
             calm = self.path.stands_for(STANDS) or self.path.time > self._open_since + CALMS
             if share == 1.0 and calm:
+                self._weighs_anew = False
                 self._hold()
         elif under_way:
             return

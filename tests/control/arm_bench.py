@@ -231,8 +231,7 @@ class ArmBench:
             if fault is None:
                 return plan, rows, None
             tried[fault.axis] += 1
-            went = (self.ring.layout.get(self.went, k) for k in ("q", "torque"))
-            cut = Seen(plan, self.rate, *went)
+            cut = Seen(plan, self.rate, *self._ours(self.went))
             cut = cut if part == "friction" else None
             if tried[fault.axis] < TRIES and self._calm(fault, cut):
                 continue
@@ -242,6 +241,12 @@ class ArmBench:
                 return plan, rows, fault
             asked["parameters"]["speed"] = speed
             self.notes.append(f"strokes at {speed:g} of their speed")
+
+    def _ours(self, rows):
+        """rad and N·m of a run and its stop, as far as that was the servo's."""
+        q, torque, state = (self.ring.layout.get(rows, k) for k in ("q", "torque", "state"))
+        ours = np.isin(state, (ArmState.RUNNING, ArmState.STOPPING)) & torque.any(axis=1)
+        return q[ours], torque[ours]
 
     def _use_known(self):
         self.use(self.known.gains)

@@ -10,7 +10,7 @@ from backends.canopen_cia402.sequence import GIVES, RESTS, SWAYS, EnableOneByOne
 from backends.protocol import BackendFault, Feedback
 from pa10d.control.arm import ALONE_AFTER
 from pa10d.control.arm import RESTS as RESTS_AFTER_A_FALL
-from pa10d.control.faults import Fault
+from pa10d.control.faults import Fault, LoopFault
 from pa10d.control.gains import first_gains
 from pa10d.control.states import EACH
 
@@ -189,6 +189,49 @@ def test_an_arm_that_nobody_has_measured_opens_each_brake_alone_at_first(make_wo
     assert not world.faults
     alone = [name == "begin_enable_one_by_one" for name in tried]
     assert alone == [False, True, False, False, False]
+
+
+@pytest.mark.parametrize("fell", [1, 2])
+def test_it_goes_on_doing_so_after_falls_until_it_was_held(make_world, monkeypatch, fell):
+    """Of a URDF that is wrong about several joints each tells its own weight, with the others in
+    their brakes."""
+    world = make_world()
+    arm, tried = world.arm, []
+    arm._rests = 0.1
+    first = first_gains(world.robot, world.profile.control, arm.path.limits.following_error)
+    for name in ("begin_enable", "begin_enable_one_by_one"):
+        as_before = getattr(arm.backend, name)
+        monkeypatch.setattr(
+            arm.backend, name, lambda name=name, begin=as_before: (tried.append(name), begin())
+        )
+
+    def fall():
+        error = LoopFault("not_held", "it fell", 1)
+        error.weighed = 2
+        arm._on_fault(error)
+        yield world.is_in("fault")
+        world.say("reset")
+        yield world.is_in("inactive")
+
+    def story():
+        world.say("connect")
+        yield world.is_in("inactive")
+        world.say("gains", gains=first.document(), bodies=None)
+        for _ in range(fell):
+            world.say("enable")
+            yield world.is_in("enabling")
+            yield world.passes(0.5)
+            yield from fall()
+        world.say("enable")
+        yield world.is_in("holding")
+        yield from fall()
+        arm._falls = 1
+        world.say("enable")
+        yield world.is_in("holding")
+
+    world.run(story())
+    alone = [name == "begin_enable_one_by_one" for name in tried]
+    assert alone == [*(fell + 1) * [True], False]
 
 
 def test_a_first_try_of_each_alone_that_tells_nothing_is_not_the_last(world):
