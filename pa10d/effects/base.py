@@ -238,6 +238,7 @@ class Effect(ABC):
     # bodies take in; its first coefficient is the share
     builds_up_over: ClassVar[str] = ""  # shape parameter: the way over which its joint's friction
     # builds up after a turn, and all that is carried with it
+    damped_over: ClassVar[str] = ""  # shape parameter: the time by which that is damped
     is_rotor: ClassVar[bool] = False  # without it the rigid bodies take the rotor's inertia in
     picked_up: ClassVar[bool] = False  # may come or go while the arm moves
     also_changes: ClassVar[bool] = False  # asked for, too, where the question is what changed

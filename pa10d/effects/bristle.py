@@ -1,5 +1,7 @@
 """Friction that builds up over a way: surfaces bend before they slip."""
 
+from __future__ import annotations
+
 import numba
 import numpy as np
 
@@ -18,3 +20,12 @@ def bristle(q, level, way):
             force = to + (force - to) * np.exp(-2.0 * abs(step) / (way[k] + way[k - 1]))
         out[k] = force
     return out
+
+
+def brushed(q, dq, level, way, lag):
+    """(N,) the same of bristles that are damped as they bend: F + lag·dF/dt, LuGre's σ0·z + σ1·ż
+    with lag = σ1/σ0 in s. q, dq, level, way (N,) of the joint."""
+    force = bristle(q, level, way)
+    if lag == 0.0:
+        return force
+    return force + lag * (level * dq - force * np.abs(dq)) / way

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot, inverse_dynamics, sensitivities, typical_inertia
-from pa10d.effects.bristle import bristle
+from pa10d.effects.bristle import brushed
 from pa10d.effects.sign import smooth_sign
 from pa10d.measurement.motion import Quieting
 
@@ -36,6 +36,7 @@ class Context:
     rotor_in_load    joints (0-based) whose rotor's inertia the rigid bodies have taken in: their
                      load is the torque at the rotor, not at the link
     ways             (n,) rad over which each joint's friction builds up after a turn; 0: at once
+    lags             (n,) s, damping of these bristles by their stiffness; 0: they have none
     corners          (n,) rad/s (m/s) over which each joint's dry friction turns round; 0: unknown
     levels           (N, n) of all friction that builds up so, by that to which the way belongs: as
                      bristles are as stiff whatever they carry, they bend as much farther
@@ -63,6 +64,7 @@ class Context:
     rubbing: Array | None = None
     rotor_in_load: tuple[int, ...] = ()
     ways: tuple[float, ...] = ()
+    lags: tuple[float, ...] = ()
     corners: tuple[float, ...] = ()
     levels: Array | None = None
     desired: bool = False
@@ -80,8 +82,13 @@ class Context:
         over the way that the joint's friction takes, where the model knows of one."""
         way = self.ways[joint] if self.ways and not self.apart else 0.0
         if way > 0.0:
-            return np.asarray(bristle(self.q[:, joint], level, way * self.stretched(joint)))
+            return self.bristles(joint, level, way, self.lags[joint] if self.lags else 0.0)
         return level * self.sign(self.dq[:, joint], v0)
+
+    def bristles(self, joint: int, level: Array, way: float, lag: float) -> Array:
+        """(N,) friction of this level (N,) that builds up over a joint's own way (rad), damped."""
+        far = way * self.stretched(joint)
+        return np.asarray(brushed(self.q[:, joint], self.dq[:, joint], level, far, lag))
 
     def stretched(self, joint: int) -> Array:
         """(N,) how many times farther than their own way a joint's bristles bend."""

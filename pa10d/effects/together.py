@@ -71,8 +71,9 @@ def contextualised(
     that heats them; sensing effects see the torque of all mechanical ones.
     """
     n = context.robot.n
-    ways, corners = (_by_joint(n, terms, names) for names in ("builds_up_over", "smoothed_over"))
-    context = replace(context, ways=ways, corners=corners)
+    named = ("builds_up_over", "damped_over", "smoothed_over")
+    ways, lags, corners = (_by_joint(n, terms, names) for names in named)
+    context = replace(context, ways=ways, lags=lags, corners=corners)
     textbook, rubbing = friction(context, terms)
     own_rotor = [term.joints[0] for term in terms if term.effect.is_rotor]
     loaded = replace(
@@ -106,7 +107,7 @@ def _by_joint(joints: int, terms: Sequence[AtWork], names: str) -> tuple[float, 
     out = [0.0] * joints
     for term in terms:
         if name := getattr(term.effect, names):
-            out[term.joints[0]] = float(term.shape[name])
+            out[term.joints[0]] = float(term.shape.get(name, 0.0))
     return tuple(out)
 
 

@@ -34,6 +34,7 @@ FLAGS = (
     "series_spring",
     "carried",
     "builds_up_over",
+    "damped_over",
     "smoothed_over",
 )
 """What the sum of a model's effects asks of each."""

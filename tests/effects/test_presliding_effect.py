@@ -36,6 +36,28 @@ def test_against_an_ode_solver(zs):
     assert np.max(np.abs(error)) < 5e-3  # at a reversal, which falls between two samples
 
 
+@pytest.mark.parametrize(("zs", "lag"), [(5e-3, 0.01), (0.05, 0.1)])
+def test_damped_bristles_against_an_ode_solver(zs, lag):
+    """LuGre's σ0·z + σ1·dz/dt, of a friction of 1 N·m; z in rad, as it is written there."""
+    t = np.arange(0.0, 6.0, DT)
+    sigma0, sigma1 = 1.0 / zs, lag / zs
+
+    def rate(s, z):
+        v = path(s, 1)[0]
+        return v - sigma0 * abs(v) * z
+
+    exact = solve_ivp(
+        rate, (0, t[-1]), [0.0], t_eval=t, method="LSODA", rtol=1e-8, atol=1e-12, max_step=DT
+    )
+    z = exact.y[0]
+    moving = np.array([float(rate(s, at)) for s, at in zip(t, z, strict=True)])
+    expected = sigma0 * z + sigma1 * moving
+    context = alone(1, path(t), path(t, 1), path(t, 2))
+    found = columns("presliding_hysteresis", context, 1, zs=zs, lag=lag)[:, 0]
+    assert rms(sigma1 * moving) > 0.04  # so that it would be missed
+    assert rms(found - expected) < 1e-3
+
+
 @pytest.mark.parametrize("travel", [0.002, 0.01, 0.06])
 def test_steady_loop_ends_at_its_closed_form(travel):
     """Going to and fro over ``travel``, z swings between ±tanh(travel/2zs)."""

@@ -58,6 +58,23 @@ def test_bristle_stiffness_against_monte_carlo():
     assert found.std_error == pytest.approx(float(np.std(force / reach)), rel=0.03)
 
 
+def test_bristle_damping_against_monte_carlo():
+    rng = np.random.default_rng(2)
+    force, way, lag = (
+        mean * (1.0 + spread * rng.standard_normal(DRAWS))
+        for mean, spread in ((6.0, 0.02), (4e-3, 0.03), (0.01, 0.05))
+    )
+    found = effect("presliding_hysteresis").values(
+        np.array([6.0]),
+        np.array([[0.12**2]]),
+        {"zs": 4e-3, "damped": 1.0, "lag": 0.01},
+        {"zs": 1.2e-4, "lag": 5e-4},
+    )["sigma1"]
+    assert found.value == pytest.approx(15.0)
+    assert found.unit == "N·m·s/rad"
+    assert found.std_error == pytest.approx(float(np.std(force / way * lag)), rel=0.03)
+
+
 def test_values_carry_units_and_hide_nuisances():
     for kind in all_effects().values():
         k = len(kind.coefficients)

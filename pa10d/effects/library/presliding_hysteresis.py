@@ -3,7 +3,6 @@
 import numpy as np
 
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, Value, View
-from pa10d.effects.bristle import bristle
 
 SLIDES = 0.01  # rad/s: where nothing is known of the way, faster than that it slides
 
@@ -11,14 +10,19 @@ SLIDES = 0.01  # rad/s: where nothing is known of the way, faster than that it s
 class PreslidingHysteresis(Effect):
     """Before two surfaces slip they bend, like the bristles of two brushes. After the joint has
     turned round, friction therefore builds up over a short distance zs instead of jumping. F is
-    the friction that behaves so, sigma0 = F/zs the stiffness felt in very small motion."""
+    the friction that behaves so, sigma0 = F/zs the stiffness felt in very small motion. Bristles
+    that are damped resist bending by its speed, too: sigma1 = lag·sigma0."""
 
     id = "presliding_hysteresis"
     title = "Pre-sliding hysteresis"
     plainly = "after each turn friction builds up over a short way"
-    equation = "τ = F·z, dz/dt = q̇·(1 - z·sign(q̇))/zs  (Dahl; LuGre in slow motion)"
+    equation = "τ = F·(z + lag·dz/dt), dz/dt = q̇·(1 - z·sign(q̇))/zs  (LuGre; Dahl where lag = 0)"
     coefficients = (Coefficient("F", "N·m", lower=0.0),)
-    shapes = (ShapeParameter("zs", "rad", 1e-4, 0.2, "log"),)
+    shapes = (
+        ShapeParameter("zs", "rad", 1e-4, 0.2, "log"),
+        ShapeParameter("damped", "1", 0.0, 1.0, "choice", optional=True),
+        ShapeParameter("lag", "s", 1e-4, 0.5, "log", optional=True),
+    )
     signature = (
         "Each time the joint turns round the error draws a loop against the angle; the loop is as "
         "wide in fast motion as in slow."
@@ -39,9 +43,10 @@ class PreslidingHysteresis(Effect):
         "Nothing to repair as such. A distance that has grown since the last identification "
         "hints at wear."
     )
-    derived = {"sigma0": ("F", "zs")}
+    derived = {"sigma0": ("F", "zs"), "sigma1": ("F", "zs", "lag")}
     carried = True
     builds_up_over = "zs"
+    damped_over = "lag"
     joint_property = "friction"
     uses_model = True
     remembers = "the way since the joint last turned round (apart: it slides)"
@@ -53,19 +58,27 @@ class PreslidingHysteresis(Effect):
         if context.apart:
             return context.sign(context.dq[:, j], SLIDES)[:, None]
         level = self.level(context, joints, shape)
-        return bristle(context.q[:, j], level, shape["zs"] * context.stretched(j))[:, None]
+        return context.bristles(j, level, shape["zs"], shape.get("lag", 0.0))[:, None]
 
     def level(self, context, joints, shape):
         return np.ones(len(context.q))
 
     def starts(self, context, joints):
-        return [{"zs": z} for z in (5e-4, 2e-3, 5e-3, 0.015, 0.04)]
+        plain = [{"zs": z} for z in (5e-4, 2e-3, 5e-3, 0.015, 0.04)]
+        return plain + [s | {"damped": 1.0, "lag": lag} for s in plain for lag in (0.005, 0.05)]
 
     def values(self, coefficients, covariance, shape, shape_errors):
         out = super().values(coefficients, covariance, shape, shape_errors)
-        stiffness = float(coefficients[0] / shape["zs"])
-        relative = np.hypot(
-            np.sqrt(max(covariance[0, 0], 0.0)) / max(abs(coefficients[0]), 1e-12),
-            shape_errors.get("zs", 0.0) / shape["zs"],
-        )
-        return {**out, "sigma0": Value(stiffness, float(abs(stiffness) * relative), "N·m/rad")}
+        out["sigma0"] = _product(out, {"F": 1.0, "zs": -1.0}, "N·m/rad")
+        if "lag" in out:
+            out["sigma1"] = _product(out, {"F": 1.0, "zs": -1.0, "lag": 1.0}, "N·m·s/rad")
+        return out
+
+
+def _product(of: dict[str, Value], powers: dict[str, float], unit: str) -> Value:
+    """Of estimates to these powers, whose errors are small and taken as independent."""
+    value = float(np.prod([of[name].value ** power for name, power in powers.items()]))
+    relative = np.hypot.reduce(
+        [of[name].std_error / max(abs(of[name].value), 1e-12) for name in powers]
+    )
+    return Value(value, float(abs(value) * relative), unit)
