@@ -47,6 +47,8 @@ WORTH_A_STEP = 0.1  # squared standard errors of the noise: less moves no estima
 # -- physics and arithmetic ------------------------------------------------------------------------
 
 SWING_SAMPLES = 16.0  # per period of the equation's cut-off, of a motion that is integrated
+THIN_BAND = 0.35  # of the rate of such a motion is kept: five times the cut-off and more
+THIN_ORDER = 8  # so that the band of the equation passes whole, and next to nothing folds into it
 PASSED_MOTION = 0.995  # of the velocity's power lies below the highest frequency of a motion
 GUARD_PERIODS = 1.5  # of the cut-off, left out where blocks meet: the filter looks that far
 LOWEST_ORDER = 4.0  # cycles per revolution: below, gravity and ripple cannot be told apart

@@ -11,7 +11,7 @@ from how_often import how_often
 from springs_in_band import spring_arm
 from two_links import COULOMB, ROTOR, V0, VISCOUS, motion, robot, state_of
 
-from pa10d.diagnose.regression.flexible import Flexible, JointSpring
+from pa10d.diagnose.regression.flexible import Flexible, JointSpring, _thinned
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import suspects
 from pa10d.diagnose.search.springs import _with_spring
@@ -64,6 +64,22 @@ def test_bodies_and_spring_are_fitted_at_once(state, stiffer, damping):
     assert found.springs[0].stiffness == pytest.approx(STIFFNESS, rel=0.003)
     assert found.springs[0].damping == pytest.approx(DAMPING, rel=0.05)
     assert found.left < np.log([1.03 * NOISE, 1.03 * NOISE]).sum()
+
+
+@pytest.mark.parametrize("at", [1000, 1001, 1002])
+def test_a_jolt_between_the_samples_that_are_kept_is_not_lost(at):
+    """Every third sample alone had none of it, or three times as much: a damping of 600 was told as
+    3030, at 2.3 times the floor."""
+    jolt = np.zeros((3000, 1))
+    jolt[at] = 1.0
+    assert 3.0 * np.sum(_thinned(jolt, 500.0, 3)) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_noise_above_what_fewer_samples_show_does_not_come_back_in_their_band():
+    t = np.arange(3000) / 500.0
+    motion, noise = np.sin(2 * np.pi * 9.0 * t), np.sin(2 * np.pi * 160.0 * t)  # 6.7 Hz by folding
+    found = _thinned((motion + noise)[:, None], 500.0, 3)[:, 0]
+    assert found[50:-50] == pytest.approx(motion[::3][50:-50], abs=1e-3)
 
 
 def test_how_the_torque_changes_is_its_difference(state):

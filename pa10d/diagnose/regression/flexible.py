@@ -23,6 +23,8 @@ from pa10d.diagnose.constants import (
     SPRING_WORTH,
     STEP_DAMPINGS,
     SWING_SAMPLES,
+    THIN_BAND,
+    THIN_ORDER,
 )
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
@@ -325,16 +327,19 @@ def zeta_of(state: SearchState, h: Array, spring: Spring) -> float:
 
 def _coarse(run: RunEquation, context: Context, joints: Sequence[int]) -> _Run:
     """The motion on fewer samples, as many as its swing needs, with a filter that ends on the same
-    samples of the equation."""
+    samples of the equation. What fewer samples cannot show is taken out first: a jolt that falls
+    between two of them still drives the link, and the noise of encoders would come back in the
+    band of the swing."""
     fine = run.lowpass
     most = int(fine.rate / (SWING_SAMPLES * fine.cutoff))
     step = max(d for d in range(1, max(most, 1) + 1) if fine.factor % d == 0)
+    q, dq, ddq = (_thinned(x, fine.rate, step) for x in (context.q, context.dq, context.ddq))
     thin = replace(
         context,
         t=context.t[::step],
-        q=context.q[::step],
-        dq=context.dq[::step],
-        ddq=context.ddq[::step],
+        q=q,
+        dq=dq,
+        ddq=ddq,
         total=context.total[::step],
         temperature=None,
         rubbing=None,
@@ -350,6 +355,13 @@ def _coarse(run: RunEquation, context: Context, joints: Sequence[int]) -> _Run:
     )
     going = np.ones_like(thin.q) if run.going is None else run.going[::step]
     return _Run(thin, lowpass, going, run.left, tuple(winds(run, j) for j in joints))
+
+
+def _thinned(x: Array, rate: float, step: int) -> Array:
+    """(⌈N/step⌉, n) of x (N, n) at ``rate`` Hz, without what lies above half the new rate."""
+    if step == 1:
+        return x
+    return Lowpass(len(x), rate, THIN_BAND * rate / step, step, THIN_ORDER)(x)
 
 
 def _left(side: Side, torque: PerJoint) -> float:
