@@ -80,6 +80,7 @@ def test_a_slow_link_carries_little_before_a_section_stands(archive, visit):
     assert len(carried) < FIRST_LIGHT[1]
 
 
+@pytest.mark.long
 def test_with_text_twice_as_large_the_numbers_of_a_list_stay_in_their_panel(archive, visit):
     visitor = visit(archive[0], viewport={"width": 1280, "height": 900}, bypass_csp=True)
     page = visitor.page
@@ -112,6 +113,7 @@ def test_with_text_twice_as_large_every_section_and_stop_are_in_sight(archive, v
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("size", "letters"), [pytest.param("100%", 12, marks=pytest.mark.long), ("200%", 24)]
 )
@@ -177,6 +179,7 @@ def test_stop_lies_on_top_of_everything_everywhere(archive, visit, width):
                 assert page.evaluate("([x, y]) => document.elementFromPoint(x, y).id", at) == "stop"
 
 
+@pytest.mark.long
 def test_evidence_stands_under_each_other_on_a_phone(archive, visit):
     visitor = visit(archive[0], viewport={"width": 390, "height": 800}, bypass_csp=True)
     page = visitor.page
@@ -202,6 +205,7 @@ def test_evidence_stands_under_each_other_on_a_phone(archive, visit):
     assert title == "held-out residual, N·m"
 
 
+@pytest.mark.long
 def test_the_gains_of_a_joint_are_all_seen_on_a_phone(archive, visit):
     visitor = visit(archive[0], viewport={"width": 390, "height": 800})
     visitor.open("tune")
@@ -211,6 +215,7 @@ def test_the_gains_of_a_joint_are_all_seen_on_a_phone(archive, visit):
     assert table.evaluate("(box) => box.scrollWidth - box.clientWidth") <= 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.long)])
 def test_a_table_that_goes_on_beyond_its_box_shows_it(archive, visit, scheme):
     """Another edge than that of a table which ends there: a shadow, until it is scrolled away."""

@@ -112,6 +112,7 @@ def numbers(page) -> dict[str, list[str]]:
     return {row[0]: row[1:] for row in cells}
 
 
+@pytest.mark.long
 def test_quantities_and_models_lie_over_each_other_in_one_plot(page):
     page.locator("#explore summary", has_text="Models").click()
     page.get_by_label("m0").check()
@@ -139,6 +140,7 @@ def test_a_quantity_against_one_of_another_joint(page):
     assert page.locator("#explore .u-over").count() == 2
 
 
+@pytest.mark.long
 def test_two_cursors_by_hand_and_by_keys_read_what_was_recorded(page, archive):
     first = page.locator("#explore .u-over").first
     box = first.bounding_box()

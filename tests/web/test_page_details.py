@@ -103,6 +103,7 @@ def boxed(tmp_path):
     return path
 
 
+@pytest.mark.long
 def test_the_boxes_of_the_profile_are_drawn_where_they_stand(archive, boxed, visit):
     told = shape("", str(boxed))
     assert told.floor == -0.1
@@ -121,6 +122,7 @@ def test_the_boxes_of_the_profile_are_drawn_where_they_stand(archive, boxed, vis
     assert not visitor.errors
 
 
+@pytest.mark.long
 def test_words_at_the_axis_of_time_never_touch(archive, visit):
     visitor = visit(archive[0])
     visitor.open("models")

@@ -42,6 +42,7 @@ PIECES = """async () => {
 }"""
 
 
+@pytest.mark.long
 def test_a_button_stays_under_the_pointer_and_words_lie_on_no_other(archive, visit):
     visitor = visit(archive[0])
     visitor.open("models")
@@ -171,6 +172,7 @@ KNOWN = """async (known) => {
 }"""
 
 
+@pytest.mark.long
 def test_much_to_know_lies_behind_one_line_until_it_is_closed(archive, visit):
     visitor = visit(archive[0])
     page = visitor.page
@@ -287,6 +289,7 @@ DRAW = """async (figures) => {
 }"""
 
 
+@pytest.mark.by_default("1280")
 @pytest.mark.parametrize(
     ("width", "wide", "high"),
     [
@@ -332,6 +335,7 @@ OVERLAP = """() => {
 }"""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", [pytest.param(1280, marks=pytest.mark.long), 390])
 def test_the_title_of_a_second_panel_lies_on_no_other(archive, visit, width):
     visitor = visit(archive[0], viewport={"width": width, "height": 844})
@@ -345,6 +349,7 @@ def test_the_title_of_a_second_panel_lies_on_no_other(archive, visit, width):
     assert not visitor.errors
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", [pytest.param(1024, marks=pytest.mark.long), 390])
 def test_who_commands_is_to_be_read_beside_all_tabs(archive, visit, width):
     visitor = visit(archive[0], viewport={"width": width, "height": 844})
@@ -373,6 +378,7 @@ TICKS = """async (far) => {
 }"""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("far", [pytest.param(0.005, marks=pytest.mark.long), 20_000.0])
 def test_numbers_beside_a_plot_are_those_of_their_lines(archive, visit, far):
     visitor = visit(archive[0])

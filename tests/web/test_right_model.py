@@ -135,6 +135,7 @@ def test_what_was_promised_stands_beside_what_came_and_can_be_undone(versions, v
     assert not visitor.errors
 
 
+@pytest.mark.long
 def test_a_rotor_in_a_base_parameter_puts_no_doubt_in_its_value(versions, visit):
     """It was drawn as those that are weak or not determined."""
     visitor = visit(versions[0])

@@ -168,6 +168,7 @@ def test_a_stop_that_nobody_hears_says_so_until_somebody_does(visit, tmp_path):
         assert "hardware emergency stop" in said.inner_text()
 
 
+@pytest.mark.long
 def test_plots_come_compressed_for_good_and_only_when_one_is_shown(archive, visit):
     url, _ = archive
     visitor = visit(url)
