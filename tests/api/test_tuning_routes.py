@@ -26,6 +26,7 @@ def test_the_schema_names_every_key():
     assert list(TuningKey.__args__) == list(KEYS)
 
 
+@pytest.mark.long
 def test_an_arm_is_tuned_while_it_is_served(mine, capsys):
     before, edits = mine.tuning(), len(mine.tuning_versions())
     with pytest.raises(ApiError, match="goes beyond the URDF's 1") as asked:

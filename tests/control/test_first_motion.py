@@ -283,6 +283,7 @@ def test_a_rate_that_is_named_leaves_margins_or_is_said_not_to(tmp_path, seed, s
     assert says in not_held(arm.profile, arm.robot, known)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("seed", "unmet"),
     [

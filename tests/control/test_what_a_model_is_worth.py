@@ -101,6 +101,7 @@ def test_an_effect_in_the_model_more_than_halves_the_error_of_its_joint(
         assert np.all(after[others] < 1.25 * before[others])
 
 
+@pytest.mark.long
 def test_feed_forward_looks_at_nothing_measured(profile, robot, textbook):
     """Its torque is that of the desired motion wherever the arm is; computed torque's is not."""
     rng, live = np.random.default_rng(2), live_model(textbook)

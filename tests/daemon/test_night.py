@@ -144,6 +144,7 @@ def hiding(data, *options):
         process.stdout.close()
 
 
+@pytest.mark.long
 @pytest.mark.alone
 def test_the_arm_comes_back_and_keeps_its_secret(tmp_path):
     path = str(small_arm(tmp_path))

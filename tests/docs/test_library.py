@@ -50,6 +50,7 @@ def test_the_page(beside, capsys):
     assert {p.name for p in Path().iterdir()} >= {"m1.yaml", "arm.py"}
 
 
+@pytest.mark.long
 def test_the_notebook(beside, capsys):
     notebook = json.loads((ROOT / "docs" / "tour.ipynb").read_text())
     sources = ["".join(c["source"]) for c in notebook["cells"] if c["cell_type"] == "code"]

@@ -35,7 +35,7 @@ def crooked(folder):
     )
 
 
-@pytest.mark.parametrize("robot", ["seven axes", "crooked"])
+@pytest.mark.parametrize("robot", [pytest.param("seven axes", marks=pytest.mark.long), "crooked"])
 def test_mass_matrix_and_bias_agree_with_pinocchio(robot, tmp_path):
     profile = seven_axes() if robot == "seven axes" else crooked(tmp_path)
     model = arm_model(profile)

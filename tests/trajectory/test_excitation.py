@@ -81,6 +81,7 @@ def one(problem):
     return search(problem, 1, 5, refined=1)
 
 
+@pytest.mark.long
 def test_same_seed_same_result_whoever_evaluates(problem, one):
     with ThreadPoolExecutor(3) as pool:
         other = search(problem, 1, 5, as_mapper(pool), refined=1)

@@ -253,6 +253,7 @@ def test_a_file_that_is_no_longer_kept_can_be_left(page, archive, strange):
     page.locator(".preview").wait_for(state="detached")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("scheme", "width"), [pytest.param("light", 1440, marks=pytest.mark.long), ("dark", 390)]
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import pytest
 from benches import served
 
 STARTED = "2026-01-01T00:00:00.000+00:00"
@@ -14,6 +15,7 @@ LEFT = {
 }  # fmt: skip
 
 
+@pytest.mark.long
 def test_it_is_known_after_a_restart(tmp_path, browser, visit):
     (tmp_path / "jobs").mkdir()
     (tmp_path / "jobs" / f"{LEFT['id']}.json").write_text(json.dumps(LEFT))

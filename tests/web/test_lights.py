@@ -35,6 +35,7 @@ def lights(page) -> dict[str, str]:
     return {name: page.locator(place).first.inner_text() for name, place in places.items()}
 
 
+@pytest.mark.long
 def test_a_control_process_that_stands_still_is_not_said_to_move_the_arm(bench, visit):
     client, pid = bench
     visitor = visit(client.url)

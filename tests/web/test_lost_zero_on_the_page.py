@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from lost_zero import CHANNEL, turn
 from small_arm import small_arm
 
@@ -10,6 +11,7 @@ from pa10d.client import local_daemon
 BUTTON = "I have looked …"
 
 
+@pytest.mark.long
 def test_nothing_moves_before_somebody_has_looked(tmp_path, visit):
     path = str(small_arm(tmp_path))
     with local_daemon(tmp_path / "data", path, clock="simulated", channel=CHANNEL) as client:

@@ -12,6 +12,7 @@ __all__ = ["pushed"]
 BUTTON = "Bring it back inside …"
 
 
+@pytest.mark.long
 def test_it_is_brought_back_where_that_is_confirmed(pushed, visit):
     with pushed(LIMIT + 0.05) as client:
         page = visit(client.url).page

@@ -116,6 +116,7 @@ def test_another_weight_is_judged_before_it_is_hung(recorded, tmp_path):
     assert told.prospects[-1].too_much is not None
 
 
+@pytest.mark.long
 @pytest.mark.alone
 def test_an_analysis_that_was_interrupted_is_made_up_for(recorded, tmp_path, monkeypatch):
     data = str(shutil.copytree(recorded, tmp_path / "data"))
