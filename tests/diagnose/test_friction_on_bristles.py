@@ -73,6 +73,7 @@ def test_what_grows_with_something_on_a_bristle(law, seed, effect_id, values):
     for name, true in values.items():
         assert named[effect_id][name].value == pytest.approx(true, rel=0.02)
     assert named["presliding_hysteresis"]["F"].value == pytest.approx(COULOMB[0], rel=0.01)
+    assert "lag" not in named["presliding_hysteresis"], "these are not damped"
     assert max(line.ratio for line in found.remaining) < 1.3
 
 

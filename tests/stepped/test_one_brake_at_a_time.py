@@ -15,6 +15,17 @@ from pa10d.control.gains import first_gains
 from pa10d.control.states import EACH
 
 
+def opens_alone(arm, monkeypatch) -> list[bool]:
+    """Grows by each enabling: does each brake open alone in it?"""
+    alone: list[bool] = []
+    for name, one_by_one in (("begin_enable", False), ("begin_enable_one_by_one", True)):
+        begin = getattr(arm.backend, name)
+        monkeypatch.setattr(
+            arm.backend, name, lambda how=one_by_one, begin=begin: (alone.append(how), begin())
+        )
+    return alone
+
+
 @pytest.mark.by_default("0-1")
 @pytest.mark.parametrize(("weighed", "falls"), [(2, ALONE_AFTER), (0, 1)])
 def test_after_some_falls_each_brake_opens_alone_before_all_do(world, weighed, falls):
@@ -56,16 +67,11 @@ def test_brakes_that_hang_on_one_output_open_together_from_then_on(make_world, m
     """However often it falls, until the arm is connected anew. Links that swing on behind the
     brakes that caught it are waited for, as after any fall."""
     world = make_world(home=[0.0, 0.9, 0.9])
-    drives, backend = world.drives.drives, world.arm.backend
-    alone = type(drives[0]).brake_closed.fget
-    together = property(lambda drive: all(alone(each) for each in drives))
+    drives, faults, rested = world.drives.drives, [], []
+    closed = type(drives[0]).brake_closed.fget
+    together = property(lambda drive: all(closed(each) for each in drives))
     monkeypatch.setattr(type(drives[0]), "brake_closed", together)
-    tried, faults, rested = [], [], []
-    for name in ("begin_enable", "begin_enable_one_by_one"):
-        as_before = getattr(backend, name)
-        monkeypatch.setattr(
-            backend, name, lambda name=name, begin=as_before: (tried.append(name), begin())
-        )
+    alone = opens_alone(world.arm, monkeypatch)
 
     def story():
         world.say("connect")
@@ -90,7 +96,7 @@ def test_brakes_that_hang_on_one_output_open_together_from_then_on(make_world, m
 
     world.run(story())
     assert faults == ["brake_gave"]
-    assert tried == ["begin_enable_one_by_one", "begin_enable", "begin_enable"]
+    assert alone == [True, False, False]
     assert rested[0] > RESTS_AFTER_A_FALL - 1.0
 
 
@@ -157,13 +163,8 @@ def test_an_arm_that_nobody_has_measured_opens_each_brake_alone_at_first(make_wo
     """What is thought to hold it is a URDF's word. Not where it was held before; of an arm that
     fell the falls decide, and of one that was weighed nothing is doubted."""
     world = make_world()
-    arm, tried = world.arm, []
+    arm, alone = world.arm, opens_alone(world.arm, monkeypatch)
     first = first_gains(world.robot, world.profile.control, arm.path.limits.following_error)
-    for name in ("begin_enable", "begin_enable_one_by_one"):
-        as_before = getattr(arm.backend, name)
-        monkeypatch.setattr(
-            arm.backend, name, lambda name=name, begin=as_before: (tried.append(name), begin())
-        )
 
     def enabled():
         world.say("enable")
@@ -187,7 +188,6 @@ def test_an_arm_that_nobody_has_measured_opens_each_brake_alone_at_first(make_wo
 
     world.run(story())
     assert not world.faults
-    alone = [name == "begin_enable_one_by_one" for name in tried]
     assert alone == [False, True, False, False, False]
 
 
@@ -196,14 +196,9 @@ def test_it_goes_on_doing_so_after_falls_until_it_was_held(make_world, monkeypat
     """Of a URDF that is wrong about several joints each tells its own weight, with the others in
     their brakes."""
     world = make_world()
-    arm, tried = world.arm, []
+    arm, alone = world.arm, opens_alone(world.arm, monkeypatch)
     arm._rests = 0.1
     first = first_gains(world.robot, world.profile.control, arm.path.limits.following_error)
-    for name in ("begin_enable", "begin_enable_one_by_one"):
-        as_before = getattr(arm.backend, name)
-        monkeypatch.setattr(
-            arm.backend, name, lambda name=name, begin=as_before: (tried.append(name), begin())
-        )
 
     def fall():
         error = LoopFault("not_held", "it fell", 1)
@@ -230,7 +225,6 @@ def test_it_goes_on_doing_so_after_falls_until_it_was_held(make_world, monkeypat
         yield world.is_in("holding")
 
     world.run(story())
-    alone = [name == "begin_enable_one_by_one" for name in tried]
     assert alone == [*(fell + 1) * [True], False]
 
 
