@@ -42,6 +42,11 @@ def as_estimates(
     added = less or kind.question != "textbook"
     if added and sizes and all(SURELY * v.std_error > abs(v.value) for v in sizes):
         out.update({n: replace(out[n], determined=False) for n in told if n in out})
+    wholes = [out[c.name] for c in coefficients.values() if c.whole_at_one and c.name in out]
+    if added and wholes and all(SURELY * v.std_error > abs(v.value) for v in wholes):
+        # a law of which there may as well be nothing has no shape
+        shapes = {s.name for s in kind.shapes_in(term.shape) if s.scale != "choice"}
+        out.update({n: replace(out[n], determined=False) for n in shapes & out.keys()})
     others = out.keys() - coefficients.keys() - {s.name for s in kind.shapes} - kind.derived.keys()
     for name in others if added else ():  # sizes that are made of several
         if SURELY * out[name].std_error > abs(out[name].value):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bare_sides import ar1
 from foreign_laws import stress_that_relaxes
-from two_links import RATE, recordings, robot, state_of, textbook, textbook_torque
+from two_links import RATE, motion, recordings, robot, state_of, textbook, textbook_torque
 
 from pa10d.diagnose.outcome.words import unexplained
 from pa10d.diagnose.procedure import diagnose
@@ -83,6 +83,22 @@ def test_what_an_arm_picks_up_on_its_way_is_told_with_the_moment(before, where):
         assert one.at == pytest.approx(MOMENT, abs=0.3)
         assert one.share > 0.95
         assert f"a payload came or went {one.at:.1f} s into {where[0]}" in one.words
+
+
+def test_what_acts_beyond_a_place_did_not_come_at_the_moment_the_arm_went_there():
+    """A servo that went up once and stayed was "another one from one moment on"."""
+    runs = {}
+    for number, name in enumerate(("fit_a", "fit_b", "valid_a", "valid_b")):
+        t, q, dq, ddq = motion(500 + number)
+        over = np.tanh(4.0 * (t - MOMENT))
+        way = np.array([1.5, 0.0])
+        q = 0.3 * q + way * over[:, None]
+        dq = 0.3 * dq + way * 4.0 * (1.0 - over**2)[:, None]
+        ddq = 0.3 * ddq - way * 32.0 * (over * (1.0 - over**2))[:, None]
+        lacks = more_mass(t, q, dq, ddq) * (q[:, :1] > 0.0)
+        noise = 0.05 * np.random.default_rng(number).standard_normal(q.shape)
+        runs[name] = Recording(name, t, q, textbook_torque(q, dq, ddq) + lacks + noise)
+    assert told_of(runs) == ()
 
 
 @pytest.mark.long

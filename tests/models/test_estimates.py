@@ -62,6 +62,14 @@ def test_what_a_spring_swings_with_is_unknown_where_its_mode_is():
     assert not_one(term, {name: found[name] for name in shape})
 
 
+def test_a_spring_of_which_there_may_as_well_be_nothing_has_no_stiffness():
+    """A motor without a gear was told "share = 1.03 ± 0.8, K = 0.51 ± 0.072 N·m/rad"."""
+    shape, sure = {"K": 0.51, "zeta": 0.05, "rotor": 1e-4}, {"K": 0.07, "zeta": 0.01, "rotor": 1e-5}
+    term, found = told("joint_elasticity", [1.03], [0.8], shape, sure)
+    assert not any(found[name].determined for name in shape)
+    assert not_one(term, found)
+
+
 def test_a_rotor_is_a_part_of_what_its_joint_moves():
     """Load friction was told with "rotor = 0.2094 ± 0.063 kg·m²" of a joint of 0.11 in all."""
     shape = {"v0": 0.05, "rotor": 0.2094}

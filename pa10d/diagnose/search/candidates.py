@@ -22,7 +22,7 @@ from pa10d.diagnose.regression.partial import PartialFit, partials
 from pa10d.diagnose.regression.shapes import around, refine
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState, Suspects
-from pa10d.diagnose.search.ripple import order_peaks
+from pa10d.diagnose.search.ripple import order_peaks, shaken_orders
 from pa10d.effects import Context, Effect, Shape, all_effects
 from pa10d.model import Term
 from pa10d.regression.per_joint import PerJoint
@@ -239,6 +239,7 @@ def _starts(state: SearchState, effect: Effect, joints: tuple[int, ...]) -> list
         return [before.shape]
     if effect.line_order:
         peaks = order_peaks(state.train, state.train_residual(), joints[0])
+        peaks += shaken_orders(state.train, joints[0])
         return [{effect.line_order: order} for order in peaks]
     # what reaches other joints asks for inertias, which the first run has at hand
     one_run = effect.reaches_other_joints

@@ -144,7 +144,7 @@ class Judging:
         usual, left = self._usual(), self.state.held_residual()
         told = self._told(candidate, left, usual)
         found = self._evidence(left, change, doubt, told)
-        p = self._corrected(fit, seen, candidate, found, among, told)
+        p = self._corrected(fit, seen, candidate, found, among, told, change)
         return JudgedCandidate(
             candidate,
             found,
@@ -194,6 +194,7 @@ class Judging:
         found: Evidence,
         among: int,
         told: set[int],
+        change: PerJoint,
     ) -> float:
         """Both sides' evidence (Fisher), corrected for every suspect on the fit side, on which
         the candidate was chosen, and for those judged beside it on the held-out side."""
@@ -212,7 +213,8 @@ class Judging:
         if line:
             left, order = self.state.held_residual(fit), candidate.shape[line]
             joint = candidate.joints[0]
-            beside = chance_beside_neighbours(self.state.held, left, joint, order)
+            own_change = change.get(joint)
+            beside = chance_beside_neighbours(self.state.held, left, joint, order, own_change)
         return float(max(min(1.0, both * among), beside))
 
     def term(self, index: int) -> JudgedCandidate:
@@ -230,7 +232,7 @@ class Judging:
         told = self._told(candidate, left, usual)
         found = self._evidence(left, change, doubt, told)
         seen = seen_change(rest, train, candidate)
-        p = self._corrected(rest, seen, candidate, found, SHORTLIST, told)
+        p = self._corrected(rest, seen, candidate, found, SHORTLIST, told, change)
         return JudgedCandidate(
             candidate,
             found,

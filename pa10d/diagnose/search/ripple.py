@@ -22,7 +22,9 @@ from pa10d.regression.per_joint import PerJoint
 Array = NDArray[np.float64]
 
 
-def order_peaks(side: Side, residual: PerJoint, joint: int, count: int = 3) -> list[float]:
+def order_peaks(
+    side: Side, residual: PerJoint, joint: int, count: int = 3, below: float = np.inf
+) -> list[float]:
     """Orders N (cycles per revolution) of the strongest lines of the residual against q_j.
 
     The power of residual·exp(-iNq), each sample weighted with what the low-pass leaves of a line
@@ -35,12 +37,28 @@ def order_peaks(side: Side, residual: PerJoint, joint: int, count: int = 3) -> l
     power = 2 * lowpass.order
     slowness = (v / (2 * np.pi * lowpass.cutoff)) ** power
     lowest, highest = _looked_through(side, joint, q)
+    highest = min(highest, below)
+    if highest <= lowest:
+        return []
     first = slice(0, _affordable(q, highest - lowest))
     orders = np.arange(lowest, highest, _fineness(q[first]))
     found = _strongest(_lines(q[first], slowness[first], r[first], orders, power), count)
     if first.stop == len(q):
         return [float(orders[i]) for i in found]
     return [_closer(q, slowness, r, orders[i], _fineness(q[first]), power) for i in found]
+
+
+def shaken_orders(side: Side, joint: int, count: int = 3) -> list[float]:
+    """Orders at which a joint that goes round is shaken most, within the band. What ripples shakes
+    it, and at one speed inertia and viscous friction take that line whole: hardly any of it is left
+    to be seen."""
+    shaken = [run.filtered(run.context.ddq[:, joint], joint) for run in side.runs]
+    swing = {joint: side.gathered(shaken, joint)}
+    q, v, _ = _along(side, swing, joint)
+    if side.contexts[0].robot.prismatic[joint] or not len(q) or float(np.ptp(q)) < 2.0 * np.pi:
+        return []
+    within = 2.0 * np.pi * side.runs[0].lowpass.cutoff / max(float(np.median(v)), 1e-9)
+    return order_peaks(side, swing, joint, count, within)
 
 
 def _looked_through(side: Side, joint: int, q: Array) -> tuple[float, float]:
@@ -94,14 +112,18 @@ def chance_of_line(side: Side, joint: int, power: float) -> float:
     return float(min(1.0, np.exp(-z) * (1.0 + attempts * np.sqrt(z))))
 
 
-def chance_beside_neighbours(side: Side, residual: PerJoint, joint: int, order: float) -> float:
+def chance_beside_neighbours(
+    side: Side, residual: PerJoint, joint: int, order: float, change: Array | None = None
+) -> float:
     """Probability that the spectrum of a residual against q_j has a line as strong as the one at
     ``order`` by chance, when it is as strong as it is around it.
 
     Against the level of its own neighbourhood, since a residual of slow motion is no white noise
     against the angle: ordinates of a smooth spectrum are exponential, their mean is the median
     over ln 2. An order is known to a resolution of 2π over the range of q; the line is the
-    strongest within it, and neighbours are farther away than that on both sides.
+    strongest within it, and neighbours are farther away than that on both sides. Of a line that the
+    model absorbs the residual shows the little that is left: so its ordinate is that along change
+    (m_j,), what the line makes of the residual once the model is fitted anew, where that is more.
     """
     q, v, r = _along(side, residual, joint)
     span = float(np.ptp(q)) if len(q) else 0.0
@@ -118,7 +140,10 @@ def chance_beside_neighbours(side: Side, residual: PerJoint, joint: int, order: 
     score = _lines(q, (v / (2 * np.pi * lowpass.cutoff)) ** power, r, orders, power)
     own = np.abs(offsets) <= ORDERS_PER_RESOLUTION
     level = float(np.median(score[np.abs(offsets) > 2 * ORDERS_PER_RESOLUTION])) / np.log(2.0)
-    return float(min(1.0, 2.0 * np.exp(-score[own].max() / max(level, 1e-300))))
+    most = float(score[own].max())
+    if change is not None and np.any(change):
+        most = max(most, 0.5 * float(r @ change) ** 2 / float(change @ change))
+    return float(min(1.0, 2.0 * np.exp(-most / max(level, 1e-300))))
 
 
 def _along(side: Side, residual: PerJoint, joint: int) -> tuple[Array, Array, Array]:

@@ -4,13 +4,15 @@ A payload that was there on one day, friction that rose, a sensor that was zeroe
 all runs is right in none, and what it leaves looks like whatever it happens to look like. So what
 may have changed is tried in some of the runs alone (Chow 1960: other coefficients in a part of the
 data), under noise as slow as it is, and has to hold from one stretch of time to the next. What an
-arm picks up or puts down on its way contradicts itself within a run; that is tried likewise.
+arm picks up or puts down on its way contradicts itself within a run; that is tried likewise, and
+believed where no place and no direction of the motion tells the two sides apart as well.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 import scipy
@@ -109,12 +111,35 @@ class _Part:
 
 
 @dataclass(frozen=True)
+class _Place:
+    """Of these runs what has this joint (0-based) beyond where it is so many seconds into each, or
+    short of it; or, by_speed, what has it turn one way."""
+
+    runs: tuple[str, ...]
+    of: int
+    seconds: float
+    beyond: bool
+    by_speed: bool
+    at: None = None
+
+    def rows(self, side: Side, joint: int, seconds: Array) -> Array:
+        """(m_j,) 1 where a joint's row is in it."""
+        rows = []
+        for run, context in zip(side.runs, side.contexts, strict=True):
+            path = (context.dq if self.by_speed else context.q)[:: run.lowpass.factor, self.of]
+            t = context.t[:: run.lowpass.factor] - context.t[0]
+            edge = 0.0 if self.by_speed else path[np.argmin(np.abs(t - self.seconds))]
+            rows.append(np.column_stack([(path > edge) == self.beyond]))
+        return rows_of(side, joint, self.runs) * side.gathered(rows, joint)[:, 0]
+
+
+@dataclass(frozen=True)
 class _Own(OwnPart):
     """An effect that a part of the samples has for itself."""
 
     effect: Effect
     joints: tuple[int, ...]
-    part: _Part
+    part: _Part | _Place
 
     @property
     def runs(self) -> tuple[str, ...]:
@@ -166,7 +191,7 @@ def contradiction(
     groups = [_Part(runs) for runs in (_parts(names) if parts is None else parts)]
     moments = list(_moments(state.train, names)) if parts is None else []
     picked_up = [one for one in suspects if one[0].picked_up]
-    for _ in range(state.train.n):
+    while len(taken) < state.train.n:
         tried = list(_tried(state, picked_up, fit, moments))
         if groups and np.any(fit.rms() > least):
             tried += _tried(state, suspects, fit, [*groups, _Part(())])
@@ -181,6 +206,9 @@ def contradiction(
         p_value = _chance(state.train, fit, best) * len(tried)
         if p_value > CONTRADICTED_LEVEL or not lasting(state.train, fit, best):
             break
+        if best.part.at is not None and _told_by_place(state, fit, best, best.part.at):
+            moments = []
+            continue
         taken.append((best, p_value))
         fit = beside(fit, best)
     if any(one.part.at is not None for one, _ in taken):
@@ -215,8 +243,17 @@ def needless(state: SearchState, suspects: Suspects, fixed: int, floor: Array) -
     return state
 
 
+def _told_by_place(state: SearchState, fit: LeastSquares, best: _Own, at: float) -> bool:
+    """Would a place or a direction of the motion do as well as that moment? An arm that is not
+    where it was need not have changed: what a model lacks may act there alone."""
+    n, sides = state.train.n, (False, True)
+    places = [_Place(best.runs, *one) for one in product(range(n), [at], sides, sides)]
+    found = _tried(state, [(best.effect, best.joints)], fit, places)
+    return max((one.gain for one in found), default=0.0) > (1.0 - MATERIAL_GAIN) * best.gain
+
+
 def _tried(
-    state: SearchState, suspects: Suspects, fit: LeastSquares, parts: Sequence[_Part]
+    state: SearchState, suspects: Suspects, fit: LeastSquares, parts: Sequence[_Part | _Place]
 ) -> Iterator[_Own]:
     """Each that may have changed, in each of these parts of the samples."""
     side = state.train
@@ -259,12 +296,13 @@ def _longest(side: Side, name: str) -> float:
 
 def _closely(state: SearchState, fit: LeastSquares, best: _Own) -> _Own:
     """The same with the moment that suits best, sought ever more closely about it."""
-    if best.part.at is None:
+    part = best.part
+    if isinstance(part, _Place) or part.at is None:
         return best
-    apart = _longest(state.train, best.runs[0]) / (PICKED_MOMENTS - 1)
+    apart = _longest(state.train, part.runs[0]) / (PICKED_MOMENTS - 1)
     while apart > STEP_CLOSELY:
-        near = best.part.at + apart * np.linspace(-1.0, 1.0, 9)
-        parts = [replace(best.part, at=float(at)) for at in near]
+        near = (best.part.at or part.at) + apart * np.linspace(-1.0, 1.0, 9)
+        parts = [replace(part, at=float(at)) for at in near]
         found = _tried(state, [(best.effect, best.joints)], fit, parts)
         best, apart = max([best, *found], key=lambda one: one.gain), apart / 4.0
     return best
