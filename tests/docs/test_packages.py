@@ -41,7 +41,7 @@ def test_every_package_that_is_asked_for_is_locked():
 
 def test_both_locks_agree_and_every_package_has_hashes():
     assert _locked("locked.txt") <= _locked("locked-dev.txt")
-    for name in ("locked.txt", "locked-dev.txt"):
+    for name in ("locked.txt", "locked-dev.txt", "locked-uv.txt"):
         text = (ROOT / "scripts" / name).read_text(encoding="utf-8")
         entries = re.split(r"^(?=[\w.-]+==)", text, flags=re.MULTILINE)[1:]
         assert all("--hash=sha256:" in entry for entry in entries)
