@@ -12,7 +12,7 @@ ends comes nearer whatever it was.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,17 @@ class Weighed:
     error: float
     between: tuple[float, float] | None = None
     again: bool = False
+
+    def at_least(self, other: Weighed, begun: float) -> Weighed:
+        """The other, or the least of what may have been lacking to ``begun`` N·m where that is more
+        than the other says was: it has the joint look lighter than any may be, as viscous friction
+        does."""
+        if self.between is None:
+            return other
+        least, more = self.between[0] - begun, other.torque - begun
+        if least * more <= 0.0 or abs(least) <= abs(more):
+            return other
+        return replace(self, torque=self.between[0])
 
     @property
     def phrase(self) -> str:
@@ -99,8 +110,11 @@ class FallWatch:
         found = weight_of(*seen)
         if found is not None and SURE * found.error > LACKING * abs(found.torque - thought):
             found = None
-        if found is None and inertia is not None:
-            found = roughly(*seen, inertia)
+        rough = None if inertia is None else roughly(*seen, inertia)
+        if found is None:
+            found = rough
+        elif rough is not None:
+            found = rough.at_least(found, float(seen[2][0]))
         return None if found is None or abs(found.torque) > most else found
 
     def driven(self, axis: int) -> Driven | None:
@@ -143,31 +157,38 @@ class Tried:
         fell: Driven | None,
         found: Weighed | None,
         alone: bool = False,
+        inertia: float | None = None,
     ) -> Weighed | None:
         """What was found, or more of it where the joint fell the same way before, and is more inert
         than presumed: as with a payload that nobody described. Two falls under different torques
         tell inertia and weight apart as one does in which torque changes; where they are too much
-        alike, twice as much counts as lacking. described: N·m, here. alone: while others were in
-        their brakes, where it is more inert than where they give way."""
+        alike, twice as much counts as lacking. Of one fall viscous friction spoils that, for the
+        servo's damping changes along with it: both make the joint look as light. It does so in two
+        falls alike, which differ by what was given. described: N·m, here. alone: while others were
+        in their brakes, where it is more inert than where they give way, by ``ROUGH`` times the
+        presumed inertia, kg·m², at most."""
         before = self._driven[axis]
         if fell is None:
             return found
         if alone != self._alone[axis]:
             before.clear()
             self._alone[axis] = alone
-        if before and before[-1][2] * fell.rise <= 0.0:
+        if before and (before[-1][2] * fell.rise <= 0.0 or before[-1][0] * described < 0.0):
             before.clear()
         before.append((described, fell.torque, fell.rise))
-        if len(before) < 2 or found is None or found.between is None:
+        rough = found is not None and found.between is not None
+        if len(before) < 2 or not (rough or alone):
             return found
         (first, pushed, rise), more = before[0], before[-1][1]
         if abs(fell.rise) < (1.0 - ALIKE) * abs(rise):
             there = described / first if first != 0.0 else 1.0
-            inertia = (more - there * pushed) / (fell.rise - there * rise)
-            weight = more - inertia * fell.rise
-            if inertia > 0.0 and abs(weight - more) > abs(found.torque - more):
+            body = (more - there * pushed) / (fell.rise - there * rise)
+            if not rough and inertia is not None:
+                body = min(body, ROUGH * inertia)
+            weight = more - body * fell.rise
+            if body > 0.0 and (found is None or abs(weight - more) > abs(found.torque - more)):
                 return Weighed(weight, abs(weight - more) / (2.0 * SURE), again=True)
-        if abs(fell.rise) > (1.0 + ALIKE) * abs(rise):
+        if found is None or not rough or abs(fell.rise) > (1.0 + ALIKE) * abs(rise):
             return found  # something else drives it, too
         far = 2.0 * found.torque - more
         return Weighed(far, abs(far - more) / (2.0 * SURE), found.between)
@@ -209,6 +230,9 @@ class Tried:
         described: N·m. A joint that its servo throws up may weigh more than was thought, if no more
         than what threw it."""
         if described == 0.0:
+            return found
+        if found is not None and not 1.0 / MOST <= found.torque / described <= MOST:
+            self._low[axis], self._high[axis] = -np.inf, np.inf  # bodies are not all that is wrong
             return found
         heavier = way * described < 0.0
         share = (min if heavier else max)(one / described for one in under)

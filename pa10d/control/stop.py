@@ -55,9 +55,11 @@ class Stop:
         span = DRIVES_STOP if by_drives else own
         self._deadline = path.time + span
         self._rest_since = path.time
-        self._begins = path.time + max(BEGINS, LATE * period)
+        until = max(BEGINS, LATE * period)
+        self._begins = path.time + until
         self._most = np.maximum(FASTER * np.abs(path.dq), MUCH * limits.velocity)
-        self._cap = np.maximum(self._most, limits.velocity)
+        falls = FASTER * (np.abs(path.dq) + until * path.rise)  # a light one is over its limit soon
+        self._cap = np.maximum.reduce([self._most, limits.velocity, falls])
         self._ran_on = np.zeros(len(self._most), dtype=bool)
 
     def runs_on(self) -> list[int]:

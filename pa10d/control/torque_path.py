@@ -57,7 +57,8 @@ class TorquePath:
         self.measured_q, self.tau = np.zeros(n), np.zeros(n)
         self.status, self.age = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
         self.temperature: Array | None = None
-        self._speed = SpeedEstimator(n, period)
+        self._speed, self._period = SpeedEstimator(n, period), period
+        self._dq_before = np.zeros(n)  # rad/s in the cycle before
         self._swings = OscillationWatch(limits, period)
         self._wrong_way = WrongWayWatch(limits.torque, period, leans)
         self._first_steps = FirstSteps(limits.torque, period, leans)
@@ -87,6 +88,11 @@ class TorquePath:
     def dq(self) -> Array:
         """Estimated speed."""
         return self._speed.dq
+
+    @property
+    def rise(self) -> Array:
+        """rad/s² by which each joint gets faster now, either way; 0 of one that gets slower."""
+        return np.maximum(np.abs(self.dq) - np.abs(self._dq_before), 0.0) / self._period
 
     @property
     def _new(self) -> bool:
@@ -119,6 +125,7 @@ class TorquePath:
         self.time, self.age, self.status = feedback.time, feedback.age, feedback.status
         self.measured_q[:], self.tau[:] = feedback.q, feedback.tau
         self.temperature = feedback.temperature
+        self._dq_before[:] = self.dq
         self._speed.update(feedback.q, feedback.age, feedback.time)
         moves = np.abs(self.dq) > CREEPS
         self._moved_at[moves] = self.time
@@ -233,7 +240,8 @@ class TorquePath:
         if back:
             found = found or self._caught.get(axis)
         else:
-            more = self._tried.again(axis, described, self._falls.driven(axis), found, alone)
+            fell = self._falls.driven(axis)
+            more = self._tried.again(axis, described, fell, found, alone, inertia)
             if more is not None:
                 found = replace(more, torque=float(np.clip(more.torque, -most, most)))
             found = self._tried.same_way(axis, thought, described, found)

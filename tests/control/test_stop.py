@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from arms import PERIOD, cycles, limits, swing, until
@@ -13,6 +16,7 @@ from pa10d.control.journal import Journal
 from pa10d.control.pid import Pid
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
+from pa10d.control.stop import Stop
 
 
 def arm_with_servo(hertz, viscous=0.05):
@@ -67,3 +71,33 @@ def test_the_bandwidth_is_read_from_the_gains():
     for hertz in (0.5, 2.0, 5.0):
         arm, _ = arm_with_servo(hertz)
         assert arm.path.bandwidth == pytest.approx(2 * np.pi * hertz)
+
+
+@pytest.mark.parametrize(("driven_on", "told"), [(0.0, []), (400.0, [0])])
+def test_what_falls_gathers_speed_until_its_drive_brakes_it(driven_on, told):
+    """A light joint is over its speed limit before a ramp begins: it is not wired the wrong way.
+    One that its drive drives on is, sooner or later."""
+    period, rise = 0.003, 180.0
+    speed = np.array([-2.36])
+    path = SimpleNamespace(
+        limits=replace(limits(1), velocity=np.array([3.0])), bandwidth=20.0, time=0.0, dq=speed,
+        rise=np.array([rise]), live=np.ones(1, dtype=bool),
+        reference=SimpleNamespace(dq=np.zeros(1)),
+    )  # fmt: skip
+    stop, found = Stop(path, period, ArmState.FAULT, by_drives=True), []
+    for cycle in range(1, 20):
+        path.time = cycle * period
+        gains = rise if cycle < 5 else (driven_on or -400.0)
+        path.dq = np.minimum(path.dq - period * gains, 0.0)
+        found += stop.runs_on()
+    assert found == told
+
+
+def test_how_much_faster_a_joint_gets_is_known():
+    arm, _ = arm_with_servo(1.0)
+    arm.run(swing(arm.path.reference.q, 1.5, 2.8))
+    cycles(arm, 100)
+    before = np.abs(arm.path.dq)
+    cycles(arm, 1)
+    assert arm.path.rise == pytest.approx((np.abs(arm.path.dq) - before) / PERIOD)
+    assert (arm.path.rise > 0.0).all()

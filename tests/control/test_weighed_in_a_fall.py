@@ -343,6 +343,74 @@ def test_two_falls_tell_inertia_and_weight_apart_of_a_payload_that_nobody_descri
     assert thought == pytest.approx(weight + rubs, abs=0.01)
 
 
+def dragged(begin, lacking, drag=0.4, damping=0.1, fast=1.25, period=0.002):
+    """s, rad and N·m of a joint alone, of J, that viscous friction slows as it falls."""
+    t, q, sent, v = [0.0], [0.0], [begin], 0.0
+    while abs(v) < fast:
+        before, v = v, v + period / J * (sent[-1] - begin - lacking - drag * v)
+        q.append(q[-1] + period * 0.5 * (before + v))
+        t.append(t[-1] + period)
+        sent.append(begin - damping * v)
+    return np.array(t), np.array(q), np.array(sent)
+
+
+def watched(begin, lacking, **how):
+    watch = FallWatch(1)
+    for time, q, sent in zip(*dragged(begin, lacking, **how), strict=True):
+        watch.see(time, np.array([q]), np.array([sent]))
+    return watch
+
+
+def test_what_viscous_friction_hides_of_one_fall_two_falls_tell():
+    """It slows a joint as its servo's damping does, which then looks a fifth as inert and a
+    fifth as much in want. Both falls are slowed alike, and differ by what was given."""
+    tried, begin, weight = Tried(1), 1.0, 3.0
+    for fall in range(2):
+        watch = watched(begin, weight - begin)
+        found = watch.weighed(0, begin, 10.0, 0.3 * J)
+        assert found.between is None
+        one, begun = found.torque, begin
+        begin = tried.again(0, 2.0, watch.driven(0), found, True, 0.3 * J).torque
+        assert (begin == one) == (fall == 0)
+    assert one - begun < 0.3 * (weight - begun)
+    assert begin - begun > 0.6 * (weight - begun)
+    assert begin < weight
+    others = Tried(1)
+    for push, rise in ((1.0, 90.0), (1.4, 70.0)):
+        found = others.again(0, 2.0, Driven(push, -rise), Weighed(push + 0.1, 0.01), False, J)
+    assert found.torque == 1.5, "others moved it, too"
+
+
+def test_a_fall_of_which_nothing_is_sure_is_told_by_the_one_before():
+    tried = Tried(1)
+    assert tried.again(0, 2.0, Driven(1.0, -90.0), None, True, J) is None
+    found = tried.again(0, 2.0, Driven(1.4, -70.0), None, True, J)
+    assert found.torque == pytest.approx(1.4 + 0.02 * 70.0)
+    assert found.again
+    found = tried.again(0, 2.0, Driven(3.0, -60.0), None, True, J)
+    assert found.torque == pytest.approx(3.0 + 3.0 * J * 60.0), "no more inert than any may be"
+    assert tried.again(0, -1.0, Driven(3.2, -40.0), None, True, J) is None, "it leans otherwise"
+
+
+def test_no_joint_is_taken_for_lighter_than_any_may_be():
+    """As light as one that friction slows looks."""
+    watch = watched(1.0, 2.0)
+    rough, alone = watch.weighed(0, 1.0, 10.0, J), watch.weighed(0, 1.0, 10.0)
+    assert alone.torque - 1.0 < 0.3 * 2.0
+    assert rough.torque == min(rough.between, key=lambda one: abs(one - 1.0))
+    assert alone.torque < rough.torque < 3.0
+    light = watch.weighed(0, 1.0, 10.0, 0.1 * J)
+    assert light == alone, "it may be as light as that"
+
+
+def test_what_is_no_share_of_its_bodies_is_taken_as_it_was_found():
+    """As another joint turned, its described weight passed zero, and what it lacks did not."""
+    tried, other, good = Tried(1), Weighed(-0.024, 1e-3), Weighed(0.08, 1e-3)
+    tried.between(0, (-0.09, -0.065), -0.065, 0.02, None)
+    assert tried.between(0, (-0.02, 0.026), 0.02, 0.02, other) is other
+    assert tried.between(0, (0.09, 0.13), 0.1, 0.02, good) is good, "what was tried there is gone"
+
+
 def test_of_a_joint_that_falls_as_before_twice_as_much_is_lacking():
     tried, rough = Tried(1), Weighed(6.0, 1.0, (5.5, 12.0))
     assert tried.again(0, 4.0, Driven(4.0, -30.0), rough) is rough
