@@ -70,15 +70,6 @@ UNSURE = (
     "at {:g} Hz not all that a URDF may be wrong by is held ({}): a lighter joint swings, and is "
     "named"
 )
-STILL_FALLS = (
-    "its servo is as firm as it can be at this rate without shaking it: raise control.rate, "
-    "correct the URDF's masses and inertias, give first_motion a pose in which this joint hangs, "
-    "or look for what holds it, a brake or a collision"
-)
-STILL_SWINGS = (
-    "calmer gains do not end that: raise control.rate, lower control.bandwidth_hz, or look at this "
-    "joint's encoder, gear and coupling for play and springs"
-)
 
 
 def kept_joints(data: Data, profile: Profile) -> MeasuredJoints | None:
@@ -313,7 +304,7 @@ def firmed(profile: Profile, robot: Robot, known: KnownJoints, fault: Fault) -> 
     """See ``calmer``, of a joint that fell behind."""
     bound, gains = arm_limits(profile, robot).following_error, known.gains
     figures, share, axis = known.figures, 0.0, fault.axis
-    if axis is None or not _met_nothing(profile, robot, known, fault):
+    if axis is None or not met_nothing(profile, robot, known, fault):
         return None
     while share < FIRMER:  # half as light may lie within the doubt that there was
         heavier = after_fall(robot, figures, gains, float(bound[axis]), axis)
@@ -321,7 +312,7 @@ def firmed(profile: Profile, robot: Robot, known: KnownJoints, fault: Fault) -> 
             return None
         figures, again = heavier, learnt(profile, robot, heavier)
         if np.isfinite(again.sensitivity[axis]):
-            share = _firmness(again.gains, axis) / _firmness(gains, axis)
+            share = firmness(again.gains, axis) / firmness(gains, axis)
     note = (
         f"joint {axis + 1} fell behind, pressed on with {gains.kp[axis] * bound[axis]:.2g} N·m "
         f"alone: gains {share:.2g} times as firm were set, and it is tried again"
@@ -335,7 +326,7 @@ def weighed(
     """See ``calmer``, of a joint that fell behind because it weighs other than was thought, by what
     was recorded until then. None where that does not explain it."""
     axis = fault.axis
-    if axis is None or not len(seen.q) or not _met_nothing(profile, robot, known, fault):
+    if axis is None or not len(seen.q) or not met_nothing(profile, robot, known, fault):
         return None
     felt = felt_on_the_way(robot, seen, known.figures)
     pressed = float(known.gains.kp[axis] * arm_limits(profile, robot).following_error[axis])
@@ -371,10 +362,10 @@ def slowed(
     less = SLOWER * speed
     if part == "friction" or fault.kind != "following_error" or less < SLOWEST:
         return None
-    return less if _met_nothing(profile, robot, known, fault) else None
+    return less if met_nothing(profile, robot, known, fault) else None
 
 
-def _met_nothing(profile: Profile, robot: Robot, known: KnownJoints, fault: Fault) -> bool:
+def met_nothing(profile: Profile, robot: Robot, known: KnownJoints, fault: Fault) -> bool:
     """Whether a joint that fell behind cannot have met anything: it had been where it should go, or
     friction alone may hold it."""
     if fault.axis is None:
@@ -384,7 +375,7 @@ def _met_nothing(profile: Profile, robot: Robot, known: KnownJoints, fault: Faul
     return fault.was_there or lightly_pressed(*pressed)
 
 
-def _firmness(gains: PidGains, axis: int) -> float:
+def firmness(gains: PidGains, axis: int) -> float:
     """N·m/rad against what pushes slowly."""
     return max(float(np.hypot(gains.kp[axis], gains.ki[axis] / SLOW)), 1e-12)
 

@@ -22,7 +22,6 @@ from pa10d.daemon.robot.refusals import CommandRefused
 from pa10d.experiments.measured_joints import lowered
 from pa10d.experiments.outcome import Outcome
 from pa10d.experiments.request import MotionRequest
-from pa10d.services.joints import STILL_FALLS, STILL_SWINGS
 
 if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon
@@ -31,7 +30,8 @@ Array = NDArray[np.float64]
 
 SHARES = {"friction": 0.2, "response": 0.6, "poses": 0.2}  # of the time
 TRIES = 5  # of one joint: with calmer gains where it swings, firmer ones where it falls behind
-STILL = {"oscillation": STILL_SWINGS, "following_error": STILL_FALLS}
+TRIED = ("oscillation", "following_error")  # faults that other gains may end
+OF = {"way_out": "ways_out"}  # modules of services that are asked, beside joints
 SKIPPED = "measured on {}, and neither profile nor URDF has changed since: nothing to do"
 
 AGAIN = "has shown how it is to be held: it is tried again by itself"
@@ -112,7 +112,7 @@ class FirstMotion:
                 self.result.notes += experiment.falls
                 self._robot.stops.refuse()
                 fault = self._robot.fault
-                if fault is None or fault.kind not in STILL:
+                if fault is None or fault.kind not in TRIED:
                     raise
                 tried[fault.joint] += 1
                 tells = name == "friction" and fault.kind == "following_error"
@@ -125,8 +125,9 @@ class FirstMotion:
                     parameters["speed"] = speed
                     self.result.notes.append(SLOWED.format(fault.joint, speed))
                 else:
-                    still = STILL[fault.kind]
-                    raise UserError(f"joint {fault.joint}: {fault.cause}; {still}") from error
+                    told = {"known": known.document(), "fault": fault.document()}
+                    way = await self._ask("way_out", **told)
+                    raise UserError(f"joint {fault.joint}: {fault.cause}; {way}") from error
                 await self._robot.reset()
                 continue
             self.moved = True
@@ -163,7 +164,7 @@ class FirstMotion:
 
     async def _ask(self, what: str, **more: Any) -> Any:
         return await self._daemon.workers.run(
-            f"pa10d.services.joints:{what}",
+            f"pa10d.services.{OF.get(what, 'joints')}:{what}",
             lambda *_: None,
             data=str(self._daemon.data),
             profile=str(self._daemon.profile.path),
