@@ -323,6 +323,11 @@ class Effect(ABC):
         """Shapes from which the nonlinear search begins; one empty shape where there is none."""
         return [{}]
 
+    def could_be(self, robot: Robot, coefficients: Array, covariance: Array) -> bool:
+        """Can it be this effect on that robot, by coefficients (k,) and their covariance (k, k)?
+        A nuisance that a fit may choose freely can be bound to what it comes from."""
+        return True
+
     def penalty(self, shape: Shape) -> Array | None:
         """Rows R (r, k) in 1/(N·m): every fit keeps ‖R·coefficients‖² small beside the squared
         error in units of its noise; None: the data alone decide."""

@@ -127,3 +127,16 @@ def test_what_of_a_payload_no_motion_of_an_arm_shows(profile, never):
     robot = robot_from_profile(load_profile(profile))
     assert effect("payload").never_shown(robot, ()) == never
     assert not effect("spring").never_shown(robot, (0,))
+
+
+def test_a_wave_over_the_first_angle_beside_no_tilt_is_none():
+    """A hose at an upright first joint was as good as "a tilted base" of 0.0003 ± 0.0005 rad, which
+    would have had to carry a ton off-centre."""
+    tilt, robot = effect("base_tilt"), pa10()
+    sure = np.diag([5e-4, 5e-4, 0.5, 0.5]) ** 2
+    assert not tilt.could_be(robot, np.array([3e-4, 0.0, 1.0, 10.0]), sure)
+    assert tilt.could_be(robot, np.array([0.03, 0.0, 1.0, 10.0]), sure)
+    assert tilt.could_be(robot, np.array([3e-4, 0.0, 0.1, 1.0]), sure)
+    assert tilt.could_be(robot, np.array([3e-4, 0.0, 1.0, 10.0]), sure * 100.0)
+    bare = replace(robot, parameters=np.zeros_like(robot.parameters))
+    assert tilt.could_be(bare, np.array([3e-4, 0.0, 1.0, 10.0]), sure)

@@ -30,6 +30,7 @@ from pa10d.diagnose.search.looking import bent_rivals, look, prefer, still_tied
 from pa10d.diagnose.search.pairs import pair_beside
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.refitting import settled
+from pa10d.diagnose.search.rivals import rival_yet
 from pa10d.diagnose.search.springs import promising, with_firm_spring, with_springs
 from pa10d.diagnose.search.timing import align, late_joints
 from pa10d.diagnose.search.turning import told_by_reversals
@@ -317,11 +318,12 @@ class Search:
         return sharpened(self.state, found)[0] if found else None
 
     def rivals_of(self, index: int) -> list[JudgedCandidate]:
-        """What explained the same error as a term equally well when it was chosen, and does so yet
-        beside all that was found since."""
+        """What explained the same error as a term equally well when it was chosen, does so yet
+        beside all that was found since, and can be what it is called."""
         term = self.state.terms[index]
         place = term.effect_id, term.joints
         rivals = next((step.rivals for step in self.steps if step.chosen.place == place), [])
+        rivals = [one for one in rivals if rival_yet(self.state, index, one, self.fixed)]
         if not rivals or term.effect.series_spring:  # of springs others bend the bodies as well
             return rivals
         bare = self.state.copy()

@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from pa10d.dynamics import inverse_dynamics
+from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.effects.base import Coefficient, Effect, Example, View
 
 SMALL = 1e-6  # rad, where nothing is known of the angle yet
 ROUNDING = 1e-6  # of gravity per rad, that a turn about the vertical seems to add
+SURE = 3.0  # standard errors
+ROUGH = 3.0  # times the URDF's masses at the full length of the arm: more no arm carries off-centre
 
 
 class BaseTilt(Effect):
@@ -68,8 +70,35 @@ class BaseTilt(Effect):
             out[:, first, 3] = np.sin(context.q[:, first])
         return out
 
+    def could_be(self, robot, coefficients, covariance):
+        """What an upright first joint carries off-centre is felt by as much as the base leans: a
+        wave over its angle beside no tilt at all is something else."""
+        moment = _largest_moment(robot)
+        if moment <= 0.0:
+            return True
+        tilt, wave = (float(np.linalg.norm(coefficients[k])) for k in (np.s_[:2], np.s_[2:]))
+        along = coefficients[2:] / max(wave, 1e-300)
+        by, wave_by = covariance[:2, :2], covariance[2:, 2:]
+        leans = tilt + SURE * float(np.sqrt(np.linalg.norm(by, 2)))
+        least = wave - SURE * float(np.sqrt(max(float(along @ wave_by @ along), 0.0)))
+        return least <= ROUGH * moment * float(np.linalg.norm(robot.gravity)) * leans
+
     def relinearised(self, coefficients, shape):
         return {"rx": float(coefficients[0]), "ry": float(coefficients[1])}
+
+
+def _largest_moment(robot: Robot) -> float:
+    """kg·m about the first axis, of the URDF's masses with the arm stretched out."""
+    away, out = np.zeros(robot.n), 0.0
+    for j in robot.order:
+        before = int(robot.parent[j])
+        if before >= 0:
+            away[j] = away[before] + np.linalg.norm(robot.translation[j])
+        if robot.prismatic[j]:
+            away[j] += max(abs(robot.lower[j]), abs(robot.upper[j]))
+        mass, *moment = robot.parameters[j][:4]
+        out += float(mass * away[j] + np.linalg.norm(moment))
+    return out
 
 
 def rotation(axis: int, angle: float) -> np.ndarray:

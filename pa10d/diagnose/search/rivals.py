@@ -1,0 +1,58 @@
+"""Whether a rival, in the model instead of what was named, is one still.
+
+Candidates are held against each other by what they take of an error. Where each takes nearly all of
+it, what chance does on other joints outweighs, by the measure of that error, five times as much
+that one of them leaves. So a rival is fitted as the finding was, and both are held against each
+other by what the finding leaves, which is the noise as far as anybody knows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from pa10d.diagnose.constants import MATERIAL_GAIN, TELL_APART
+from pa10d.diagnose.evidence.errors_of import term_covariance
+from pa10d.diagnose.evidence.held_out import rivalry
+from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.judging import JudgedCandidate
+from pa10d.diagnose.search.refitting import settled
+from pa10d.regression.per_joint import rms
+
+
+def rival_yet(state: SearchState, index: int, rival: JudgedCandidate, fixed: int) -> bool:
+    """Can it be what it is called, and does it leave about as little as terms[index] of the state?
+    fixed: terms that the model was given."""
+    bare = state.copy()
+    bare.drop(index)
+    bare.push(rival.candidate.term)
+    bare.refit()
+    if not _could_be(bare, rival):
+        return False
+    term, every = state.terms[index], np.arange(state.held.n)
+    if rival.candidate.effect.series_spring or term.effect.series_spring:
+        return True  # others bend the bodies as well, until they are followed
+    spoken = {*every[rival.speaks_on].tolist(), *every[term.effect.speaks_on(term.joints)].tolist()}
+    if not leaves_more(state, bare, spoken):
+        return True
+    return not leaves_more(state, settled(bare, fixed, rounds=1), spoken)
+
+
+def leaves_more(named: SearchState, other: SearchState, joints: Iterable[int]) -> bool:
+    """Does the other state leave clearly and materially more of the held-out side on these joints
+    than the one with what was named?"""
+    before, after = named.held_residual(), other.held_residual()
+    more = {j: before[j] - after[j] for j in joints}
+    _, lead = rivalry(named.held, before, {j: np.zeros_like(m) for j, m in more.items()}, more)
+    alike = all(rms(after[j]) < (1.0 + MATERIAL_GAIN) * rms(before[j]) for j in more)
+    return lead >= TELL_APART and not alike
+
+
+def _could_be(state: SearchState, rival: JudgedCandidate) -> bool:
+    """By nuisances alone, which a fit chooses freely, it may explain what its own cannot."""
+    kind, last = rival.candidate.effect, len(state.terms) - 1
+    if not any(c.nuisance for c in kind.coefficients):
+        return True
+    covariance, _ = term_covariance(state, last)
+    return kind.could_be(state.model.robot, state.terms[last].coefficients, covariance)
