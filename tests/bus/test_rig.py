@@ -27,7 +27,7 @@ pytestmark = [
 
 def in_rig(half: str) -> str:
     """What the tests of this half printed; they passed."""
-    command = [ROOT / "scripts" / "rig-tests", half]
+    command = [ROOT / "scripts" / "rig-tests", half, "--long"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=1100)
     assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-2000:]
     assert "skipped" not in done.stdout

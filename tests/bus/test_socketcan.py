@@ -31,7 +31,7 @@ pytestmark = [
 VCAN = {"interface": "socketcan", "channel": "vcan0"}
 
 
-@pytest.fixture(params=["real", "simulated"])
+@pytest.fixture(params=["real", pytest.param("simulated", marks=pytest.mark.long)])
 def profile(tmp_path: Path, request: pytest.FixtureRequest) -> Profile:
     return make_profile(
         tmp_path,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 import time
+from collections.abc import Iterable
 
 import can
 
@@ -15,10 +16,10 @@ class Observer:
     """Asks drives by expedited SDO uploads."""
 
     def __init__(
-        self, channel: str, nodes: range = range(1, 8), interface: str = "virtualbus"
+        self, channel: str, nodes: Iterable[int] = range(1, 8), interface: str = "virtualbus"
     ) -> None:
         self._bus = can.Bus(interface=interface, channel=channel)
-        self._nodes = nodes
+        self._nodes = tuple(nodes)
 
     def close(self) -> None:
         self._bus.shutdown()

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 from bus_observer import Observer
+from small_arm import small_arm
 
 from pa10d.client import Client, running_at
 from pa10d.common.errors import UserError
@@ -29,6 +30,9 @@ class Bench:
 
     def __init__(self, data: Path, channel: str, clock: str = "real") -> None:
         self.data, self.channel, self.clock = data, channel, clock
+        few = clock == "simulated"  # joints, sooner computed; what passes by itself costs nothing
+        self.arm = ["--profile", str(small_arm(data))] if few else []
+        self.nodes = (1, 2, 4) if few else range(1, 8)
         self.simulator: subprocess.Popen | None = None
         self.server: subprocess.Popen | None = None
         self._stack = contextlib.ExitStack()
@@ -41,7 +45,7 @@ class Bench:
         return self.clock == "real"
 
     def start_simulator(self) -> None:
-        options = ["sim", "--channel", self.channel, "--clock", self.clock]
+        options = ["sim", *self.arm, "--channel", self.channel, "--clock", self.clock]
         said = self.data / "simulator.log"  # a pipe that nobody reads would stop it once full
         with said.open("w") as log:
             self.simulator = subprocess.Popen(
@@ -50,7 +54,7 @@ class Bench:
         while "virtual arm on" not in said.read_text():
             assert self.simulator.poll() is None, said.read_text()
             time.sleep(0.05)
-        self.observer = Observer(self.channel)
+        self.observer = Observer(self.channel, self.nodes)
 
     def start_daemon(self) -> None:
         url = self.start_server()
@@ -59,7 +63,7 @@ class Bench:
     def start_server(self) -> str:
         """Its address; whether it reaches the robot is another matter."""
         options = ["--data", str(self.data), "--json", "serve", "--port", "0", "--no-sim"]
-        options += ["--channel", self.channel, "--clock", self.clock]
+        options += [*self.arm, "--channel", self.channel, "--clock", self.clock]
         self.server = subprocess.Popen(
             [sys.executable, "-m", "pa10d", *options], stdout=subprocess.PIPE, text=True
         )

@@ -46,6 +46,7 @@ def test_an_address_with_a_broken_escape_opens_the_page(archive, visit):
     assert page.locator("#notices article").count() == 0
 
 
+@pytest.mark.long
 def test_a_comparison_asked_for_is_not_replaced_by_one_that_opens_by_itself(archive, visit):
     """Whoever comes back finds the newest one; whoever presses meanwhile gets what was asked."""
     first = visit(archive[0])

@@ -17,6 +17,7 @@ TORQUE = "#compare .beside .canvas"  # measured over modelled, not the figures t
 FIRST, ZOOM = 3.0, 0.6  # s on a quiet machine: three times what was promised
 
 
+@pytest.mark.long
 def test_compare_is_quick_with_long_runs(archive, visit, record_property, pytestconfig):
     url, _ = archive
     visitor = visit(url)
@@ -179,6 +180,7 @@ def test_nothing_sticks_out_on_any_screen(archive, visit, width, text):
         assert stop["height"] >= 44
 
 
+@pytest.mark.long
 def test_the_docs_ask_nobody_else(archive, visit):
     url, _ = archive
     visitor = visit(url)

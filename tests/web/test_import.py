@@ -133,6 +133,7 @@ def test_an_episode_is_chosen_looked_at_and_imported(page, archive):
     httpx.delete(f"{archive[0]}/api/v1/runs/set-2", trust_env=False).raise_for_status()
 
 
+@pytest.mark.long
 def test_every_episode_becomes_a_run(page, archive):
     """But one that is too short to be one."""
     page.evaluate(BYTES, ["set.parquet", base64.b64encode(episodes(300, 2, 500)).decode()])
@@ -186,6 +187,7 @@ def episodes(*lengths: int) -> bytes:
     return out.getvalue()
 
 
+@pytest.mark.long
 def test_it_goes_by_keyboard_and_can_be_left(page, archive, strange):
     before = len(httpx.get(f"{archive[0]}/api/v1/runs", trust_env=False).json()["items"])
     page.evaluate(DROP, ["log.txt", strange])

@@ -59,6 +59,7 @@ def test_stop_while_moving(arm, visit, how):
     assert "stop" in last_job(arm)["error"]
 
 
+@pytest.mark.long
 def test_the_second_browser_may_look_and_stop_but_not_command(arm, visit):
     first, second = visit(arm.url), visit(arm.url)
     first.open("experiments")
