@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import signal
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -17,6 +14,7 @@ from typing import Any
 import numpy as np
 import yaml
 from canopen import Network, RemoteNode
+from forked_arm import ForkedArm
 
 from backends import by_hand
 from backends.canopen_cia402.backend import CanopenBackend
@@ -83,28 +81,14 @@ def own_eds_without(folder: Path, *indices: int) -> Path:
 
 
 @contextmanager
-def virtual_arm(profile: Profile) -> Iterator[subprocess.Popen[str]]:
+def virtual_arm(profile: Profile) -> Iterator[ForkedArm]:
     """The profile's arm as a process of its own, ready on the bus."""
-    environment = os.environ | {"PYTHONPATH": str(HERE), "OMP_NUM_THREADS": "1"}
-    process = subprocess.Popen(
-        [sys.executable, "-m", "backends.virtual", str(profile.path)],
-        stdout=subprocess.PIPE,
-        text=True,
-        env=environment,
-    )
+    arm = ForkedArm(profile.path)
     try:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "ready\n"
-        yield process
+        assert arm.stdout.readline() == "ready\n"
+        yield arm
     finally:
-        process.send_signal(signal.SIGCONT)
-        process.terminate()
-        try:
-            process.wait(5)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-        process.stdout.close()  # type: ignore[union-attr]
+        arm.end()
 
 
 class Driver:
