@@ -21,7 +21,9 @@ REST_SPEED = 0.02  # of the velocity limit: slower is at rest
 REST_TIME = 0.05  # s at rest before a stop is done …
 LASTS = 2.0  # … and at least this long, in 1/ω
 GRACE = 1.0  # s that a stop may take beyond what braking needs …
-DIES_AWAY = 14.0  # … and at least this long, in 1/ω: less than a thousandth is left
+DIES_AWAY = 14.0  # … and at least this long, in 1/ω: less than a thousandth is left …
+PATIENT = 30.0  # … but no longer, s: weak integral action may creep for minutes
+BRAKED = 0.5  # s at rest before brakes close at most: what creeps or turns round then, they hold
 GENTLEST = 0.1  # of the acceleration limit, however soft the servo
 DRIVES_STOP = 2.0  # s for the drives' own quick stop
 FASTER, MUCH = 1.3, 0.5  # times as fast as it was, and of the speed limit: no ramp makes it so …
@@ -51,7 +53,9 @@ class Stop:
         hard = after == ArmState.FAULT
         self._braking = Braking(limits.acceleration if hard else gentle, path.reference.dq, period)
         self._lasts = REST_TIME if by_drives else max(REST_TIME, LASTS / omega)
-        own = self._braking.duration + max(GRACE, DIES_AWAY / omega)
+        if after != ArmState.HOLDING:
+            self._lasts = min(self._lasts, BRAKED)
+        own = self._braking.duration + float(np.clip(DIES_AWAY / omega, GRACE, PATIENT))
         span = DRIVES_STOP if by_drives else own
         self._deadline = path.time + span
         self._rest_since = path.time

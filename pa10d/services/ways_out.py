@@ -14,6 +14,7 @@ from pa10d.control.gains import after_swing, with_rotor
 from pa10d.control.joint_figures import JointFigures, inertias
 from pa10d.control.known_joints import KnownJoints
 from pa10d.control.limits import arm_limits
+from pa10d.control.servo_design import SENSITIVITY
 from pa10d.dynamics import Robot
 from pa10d.profile import Profile
 from pa10d.services.joints import (
@@ -65,7 +66,13 @@ def _of_a_fall(profile: Profile, robot: Robot, known: KnownJoints, fault: Fault,
         share = firmness(again.gains, axis) / firmness(known.gains, axis)
         return bool(np.isfinite(again.sensitivity[axis])) and share >= FIRMER
 
-    change = _first_that(profile, firmer)
+    doubted = known.figures.but(lighter=np.zeros(0))  # as light as any joint may be
+
+    def with_margins(other: Profile) -> bool:
+        peaks = learnt(other, robot, doubted).sensitivity
+        return bool((peaks <= SENSITIVITY).all()) and firmer(other)
+
+    change = _first_that(profile, with_margins) or _first_that(profile, firmer)
     if change is None:
         return f"its servo is as firm as it can be at any rate that this bus carries: {rest}"
     rate = f"{profile.control.rate:g} Hz"

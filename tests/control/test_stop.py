@@ -19,10 +19,10 @@ from pa10d.control.states import ArmState
 from pa10d.control.stop import Stop
 
 
-def arm_with_servo(hertz, viscous=0.05):
+def arm_with_servo(hertz, viscous=0.05, integral=1.0):
     w = 2 * np.pi * hertz * np.ones(2)
     backend = FakeBackend(Flywheels(2, viscous=viscous), PERIOD)
-    gains = PidGains(3 * w**2, w**3, 3 * w)
+    gains = PidGains(3 * w**2, integral * w**3, 3 * w)
     arm = Arm(
         backend,
         limits(),
@@ -71,6 +71,21 @@ def test_the_bandwidth_is_read_from_the_gains():
     for hertz in (0.5, 2.0, 5.0):
         arm, _ = arm_with_servo(hertz)
         assert arm.path.bandwidth == pytest.approx(2 * np.pi * hertz)
+
+
+def test_a_fault_is_no_matter_of_minutes_where_the_integral_is_weak():
+    """An arm that nobody has measured was held for 80 s after each fault before its brakes closed,
+    and whoever was to try it again gave up: "the arm is stopping"."""
+    arm, backend = arm_with_servo(2.0, integral=2e-3)
+    assert arm.path.bandwidth < 0.05
+    arm.run(swing(arm.path.reference.q, 0.8, 3.0))
+    cycles(arm, 500)
+    began = arm.path.time
+    arm.emergency("following_error", "somebody saw it")
+    until(arm, ArmState.FAULT, seconds=100.0)
+    assert arm.path.time - began < 3.0
+    assert not backend.powered
+    assert np.abs(backend.plant.dq).max() < 0.05
 
 
 @pytest.mark.parametrize(("driven_on", "told"), [(0.0, []), (400.0, [0])])

@@ -10,6 +10,7 @@ from arm_bench import ArmBench
 
 from pa10d.control.faults import Fault
 from pa10d.control.joint_figures import first_figures
+from pa10d.control.servo_design import SENSITIVITY
 from pa10d.services.joints import calmed, firmed, learnt
 from pa10d.services.ways_out import ways_out
 
@@ -27,7 +28,7 @@ def swung(hertz):
 @pytest.fixture(scope="module")
 def arm():
     bench = ArmBench(RATE)
-    figures = first_figures(bench.robot, [np.zeros(7)] * 2)
+    figures = first_figures(bench.robot, [np.zeros(7)] * 2).but(doubt=np.full(7, 4.0))
     return bench.profile, bench.robot, learnt(bench.profile, bench.robot, figures)
 
 
@@ -43,13 +44,16 @@ def at(profile, rate):
     return profile.model_copy(update={"control": profile.control.model_copy(update=rate)})
 
 
-def test_a_rate_is_named_at_which_the_servo_is_firmer(firmest):
+def test_a_rate_is_named_at_which_the_servo_is_firmer_and_all_joints_have_margins(arm, firmest):
     profile, robot, known = firmest
     said = ways_out(profile, robot, known, fell())
     assert said.startswith("its servo is as firm as it can be at 100 Hz without shaking it: raise ")
     rate = float(said.split("raise control.rate to ")[1].split(" Hz")[0])
     faster = learnt(at(profile, {"rate": rate}), robot, known.figures)
     assert faster.gains.kp[AXIS] > known.gains.kp[AXIS]
+    wholly = learnt(at(profile, {"rate": rate}), robot, known.figures.but(lighter=np.zeros(0)))
+    assert wholly.sensitivity.max() <= SENSITIVITY, "the next joint would fall behind there"
+    assert arm[2].sensitivity.max() > SENSITIVITY
     assert "the URDF's masses" in said
     assert "a brake or a collision" in said
 
