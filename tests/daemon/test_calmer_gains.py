@@ -154,11 +154,16 @@ def test_where_nobody_has_to_do_anything_the_notes_say_nothing_of_gains(monkeypa
     assert len(found.tuned) == 4
 
 
-@pytest.mark.parametrize(("swings", "calmest"), [(99, 99), (99, 1)])
-def test_where_that_does_not_help_the_way_out_is_said(monkeypatch, swings, calmest):
-    robot, workers, found = measured(monkeypatch, swings, calmest)
+@pytest.mark.parametrize(
+    ("calmest", "behind", "last"), [(99, False, 4), (1, False, 1), (7, True, 7)]
+)
+def test_where_that_does_not_help_the_way_out_is_said(monkeypatch, calmest, behind, last):
+    """What falls behind is not given up while its servo can be firmer: by its weight, and twice as
+    firm four times."""
+    fault = BEHIND if behind else FAULT
+    robot, workers, found = measured(monkeypatch, 99, calmest, fault=fault)
     assert isinstance(found, UserError)
-    assert str(found) == f"joint 2: swings at 17 Hz; the way out of step {min(calmest, 4)}"
+    assert str(found) == f"joint 2: {fault.cause}; the way out of step {last}"
     assert "keep_joints" not in workers.calls
     assert robot.used[-1] == (OLD, False), "the gains from before are back"
 
