@@ -408,12 +408,23 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
             state.frozen,
             others,
             sized(versions[-1], index) and _size_told(term, parameters),
-            (judged.evidence.before, judged.evidence.after),
+            (_without(state, index, judged.evidence.before), judged.evidence.after),
         )
         + (none and f" But {none}.")
         + (NOT_ONE if not_one(term, parameters) else ""),
         certain=judged.certain,
     )
+
+
+def _without(state: SearchState, index: int, before: Array) -> Array:
+    """(n,) N·m RMS that all other findings leave held out; before: the same with nothing in its
+    place. Dry friction that bristles carry turns round at once without them."""
+    if not state.terms[index].effect.builds_up_over:
+        return before
+    rest = state.copy()
+    rest.drop(index)
+    rest.refit()
+    return rms(rest.held_residual())
 
 
 def sized(model: TorqueModel, index: int) -> bool:

@@ -20,7 +20,8 @@ from two_links import (
 )
 
 from pa10d.diagnose.outcome.words import unexplained
-from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.procedure import _without, diagnose
+from pa10d.diagnose.search.harm import rms
 from pa10d.dynamics import inverse_dynamics
 from pa10d.effects.base import smooth_sign
 from pa10d.measurement.recording import Recording
@@ -75,6 +76,24 @@ def test_what_grows_with_something_on_a_bristle(law, seed, effect_id, values):
     assert named["presliding_hysteresis"]["F"].value == pytest.approx(COULOMB[0], rel=0.01)
     assert "lag" not in named["presliding_hysteresis"], "these are not damped"
     assert max(line.ratio for line in found.remaining) < 1.3
+
+
+def test_what_bristles_take_is_told_beside_dry_friction_in_their_place():
+    """Of bristles that took 10 % of a joint's error "more than 99 %" was said, and "lacks 3.1 N·m":
+    no friction at all was left in their place."""
+    state = state_of(recordings(2))
+    alone = rms(state.held_residual())
+    names = [(t.effect_id, t.joints) for t in state.terms]
+    dry = names.index(("coulomb", (0,)))
+    term = state.terms[dry]
+    state.replace_term(dry, replace(term, shape={**term.shape, "elsewhere": 1.0}))
+    state.push(Term("presliding_hysteresis", (0,), np.array(COULOMB[:1]), {"zs": 1e-3}))
+    state.refit()
+    last = len(state.terms) - 1
+    nothing = rms(state.held_residual(state.fit_without(last)))
+    assert nothing[0] > 10.0 * alone[0]
+    np.testing.assert_allclose(_without(state, last, nothing), alone, rtol=1e-6)
+    np.testing.assert_array_equal(_without(state, dry, nothing), nothing)
 
 
 LAG = 0.02  # s
