@@ -19,7 +19,7 @@ from pa10d.control.torque_path import TorquePath
 
 REST_SPEED = 0.02  # of the velocity limit: slower is at rest
 REST_TIME = 0.05  # s at rest before a stop is done …
-LASTS = 2.0  # … and at least this long, in 1/ω
+LASTS, LONG = 2.0, 5.0  # … and at least this long, in 1/ω, and s at most
 GRACE = 1.0  # s that a stop may take beyond what braking needs …
 DIES_AWAY = 14.0  # … and at least this long, in 1/ω: less than a thousandth is left …
 PATIENT = 30.0  # … but no longer, s: weak integral action may creep for minutes
@@ -52,9 +52,7 @@ class Stop:
         )
         hard = after == ArmState.FAULT
         self._braking = Braking(limits.acceleration if hard else gentle, path.reference.dq, period)
-        self._lasts = REST_TIME if by_drives else max(REST_TIME, LASTS / omega)
-        if after != ArmState.HOLDING:
-            self._lasts = min(self._lasts, BRAKED)
+        self._lasts = REST_TIME if by_drives else max(REST_TIME, min(LASTS / omega, LONG))
         own = self._braking.duration + float(np.clip(DIES_AWAY / omega, GRACE, PATIENT))
         span = DRIVES_STOP if by_drives else own
         self._deadline = path.time + span
@@ -82,7 +80,8 @@ class Stop:
         slow = np.abs(self._path.dq) < REST_SPEED * self._path.limits.velocity
         if not braked or not slow[self._path.live].all():
             self._rest_since = self._path.time
-        if self._path.time - self._rest_since >= self._lasts:
+        lasts = self._lasts if self.after == ArmState.HOLDING else min(self._lasts, BRAKED)
+        if self._path.time - self._rest_since >= lasts:
             return StopProgress.AT_REST
         return StopProgress.OVERDUE if self.overtime else StopProgress.MOVING
 

@@ -88,6 +88,30 @@ def test_a_fault_is_no_matter_of_minutes_where_the_integral_is_weak():
     assert np.abs(backend.plant.dq).max() < 0.05
 
 
+def test_nor_is_switching_off_an_arm_that_stopped_already():
+    arm, _ = arm_with_servo(2.0, integral=2e-3)
+    arm.run(swing(arm.path.reference.q, 0.8, 3.0))
+    cycles(arm, 500)
+    arm.stop()
+    cycles(arm, round(3.0 / PERIOD))
+    assert arm.state == ArmState.STOPPING
+    began = arm.path.time
+    arm.disable()
+    until(arm, ArmState.INACTIVE, seconds=100.0)
+    assert arm.path.time - began < 1.0
+
+
+def test_an_arm_that_rests_is_held_and_no_stop_is_overdue_by_a_weak_integral():
+    arm, _ = arm_with_servo(2.0, integral=2e-3)
+    arm.run(swing(arm.path.reference.q, 0.8, 3.0))
+    cycles(arm, 500)
+    began = arm.path.time
+    arm.stop()
+    until(arm, ArmState.HOLDING, ArmState.FAULT, seconds=100.0)
+    assert arm.state == ArmState.HOLDING, arm.fault.sentence
+    assert arm.path.time - began < 10.0
+
+
 @pytest.mark.parametrize(("driven_on", "told"), [(0.0, []), (400.0, [0])])
 def test_what_falls_gathers_speed_until_its_drive_brakes_it(driven_on, told):
     """A light joint is over its speed limit before a ramp begins: it is not wired the wrong way.
