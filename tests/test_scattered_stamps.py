@@ -27,7 +27,7 @@ def stamps(seed, scatter, count=4000, missing=0):
 
 
 @given(st.integers(0, 10_000), st.floats(0.02, 0.35), st.integers(0, 40), st.floats(1e-7, 3e-4))
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=4, deadline=None)
 def test_samples_read_at_equal_steps_are_put_there(seed, scatter, missing, noise):
     """Or left alone, where the encoder is too coarse to tell; never by more than a step's hundredth
     beside where they were read."""
@@ -41,7 +41,7 @@ def test_samples_read_at_equal_steps_are_put_there(seed, scatter, missing, noise
 
 
 @given(st.integers(0, 10_000), st.floats(0.02, 0.35), st.integers(0, 40), st.floats(1e-7, 1e-2))
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=4, deadline=None)
 def test_samples_read_late_keep_their_stamps(seed, scatter, missing, noise):
     _, stamped = stamps(seed, scatter, missing=missing)
     q = position(stamped) + noise * np.random.default_rng(seed).standard_normal((len(stamped), 2))

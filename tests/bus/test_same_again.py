@@ -13,7 +13,7 @@ from backends.canopen_cia402.backend import CanopenBackend
 from pa10d.profile import Profile
 
 
-def record(profile: Profile, cycles: int = 400) -> tuple[bytes, ...]:
+def record(profile: Profile, cycles: int = 150) -> tuple[bytes, ...]:
     """time, q, tau, status, temperature of a run, as bytes."""
     rows: list[list[np.ndarray]] = [[], [], [], [], []]
     with virtual_arm(profile):

@@ -155,6 +155,7 @@ def test_powers_of_the_second():
             power_of_second(unit, {})
 
 
+@pytest.mark.long
 def test_a_new_package_conforms_as_it_stands(tmp_path, monkeypatch):
     folder = tmp_path / "soft_detent"
     files = scaffold("soft_detent", folder)

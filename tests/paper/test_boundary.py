@@ -113,6 +113,7 @@ def test_a_sensors_bias_is_not_friction():
     assert result.sweep.values[5] == pytest.approx([INERTIA, COULOMB, VISCOUS], rel=0.01)
 
 
+@pytest.mark.long
 def test_bands_are_as_wide_as_estimates_scatter(pytestconfig):
     errors, values = [], []
     repeats = how_often(pytestconfig, 6, 12)
