@@ -11,12 +11,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pa10d.diagnose.constants import CORNERS, LOOSE, MATERIAL_HARM
+from pa10d.diagnose.constants import CORNERS, LEAST_GAIN, LOOSE, MATERIAL_GAIN, MATERIAL_HARM
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.harm import rms
 from pa10d.diagnose.search.refining import refine
 from pa10d.regression.layout import has_sign
+
+Array = NDArray[np.float64]
 
 
 def with_corners(state: SearchState) -> SearchState:
@@ -38,6 +41,34 @@ def loose_corner(state: SearchState, joint: int) -> int | None:
         if term.joints == (joint,) and over and has_sign(term, joint):
             known = term.shape_errors.get(over, np.inf)
             return index if LOOSE * known > term.shape[over] else None
+    return None
+
+
+def sharper_instead(state: SearchState, joints: tuple[int, ...], left: Array) -> SearchState | None:
+    """With a sharper corner of the joint's dry friction, where that alone does what some other
+    friction there does: the fit side asks for it as for a finding, and no more is left than with
+    that, (n,) N·m held out. Identification sees what happens as a joint turns round, too, where a
+    short way over which friction builds up looks like a soft corner; in steady motion that is
+    missing at low speed."""
+    if state.frozen or len(joints) != 1:
+        return None
+    (joint,) = joints
+    for index, term in enumerate(state.terms):
+        over = term.effect.smoothed_over
+        if term.joints != joints or not over or not has_sign(term, joint):
+            continue
+        was, had = term.shape[over], state.fit.rms()[joint]
+        trials = {v: turned(state, index, v) for v in was * CORNERS if v < was}
+        best = min(trials, key=lambda v: trials[v].fit.rms()[joint])
+        found = trials[best]
+        gain = len(state.train.tau[joint]) * (1.0 - (found.fit.rms()[joint] / had) ** 2)
+        alike = rms(found.held_residual())[joint] <= (1.0 + MATERIAL_GAIN) * left[joint]
+        turns = found.moving_rms()[joint] <= state.moving_rms()[joint]
+        if not (gain >= LEAST_GAIN and alike and turns):
+            return None
+        sharp = replace(found.terms[index], shape_errors={**term.shape_errors, over: float(best)})
+        found.problem = found.problem.with_term(index, sharp)
+        return found
     return None
 
 

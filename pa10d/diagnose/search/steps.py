@@ -23,7 +23,7 @@ from pa10d.diagnose.constants import (
 from pa10d.diagnose.evidence.errors_of import term_covariance
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, scan, sharpened
-from pa10d.diagnose.search.corners import with_corners
+from pa10d.diagnose.search.corners import sharper_instead, with_corners
 from pa10d.diagnose.search.harm import harmful, rms, spoils, taken_by, turns_worse
 from pa10d.diagnose.search.judging import JudgedCandidate, Judging, Place, Suspects
 from pa10d.diagnose.search.looking import bent_rivals, look, prefer, still_tied
@@ -68,6 +68,8 @@ class Search:
     bent_since: dict[Place, JudgedCandidate] = field(default_factory=dict)  # once they were refined
     followed: set[int] = field(default_factory=set)  # joints of which no spring held, and in which
     # nothing was found since
+    sharpened: set[int] = field(default_factory=set)  # joints of which a sharper corner of dry
+    # friction did what another friction would have
     progress: Callable[[float, str], None] = lambda share, text: None
 
     def run(self, steps: int | None = None) -> Search:
@@ -147,6 +149,9 @@ class Search:
                 continue
             judging = self._judging(self.suspects)
             chosen, tied = prefer(self.state, good, judged)
+            if (corner := self._sharper_instead(chosen)) is not None:
+                self.state = corner
+                continue
             tied += bent_rivals(judging, chosen, judged)
             dropped = self.take(chosen)
             if dropped is None:
@@ -159,6 +164,16 @@ class Search:
             refused |= dropped | self.reconsider()
             self.steps.append(Addition(chosen, tied, before, rms(self.state.held_residual())))
             added, put_off = added + 1, set()
+
+    def _sharper_instead(self, chosen: JudgedCandidate) -> SearchState | None:
+        """Each joint once: a corner that has been sharpened is as the data have it."""
+        kind, joints = chosen.candidate.effect, chosen.candidate.joints
+        if not kind.carried or kind.builds_up_over or self.sharpened & {*joints}:
+            return None
+        found = sharper_instead(self.state, joints, chosen.evidence.after)
+        if found is not None:
+            self.sharpened |= {*joints}
+        return found
 
     def unsure(self) -> set[Place]:
         """Drop findings that show only where joints contradict each other and whose own values, all
