@@ -8,6 +8,7 @@ weight goes with the pose that the arm really has. Compared as mounts are (``mou
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -64,4 +65,7 @@ def _exchanged(
     own = figures.but(
         rotor=figures.rotor[order], coulomb=figures.coulomb[order], viscous=figures.viscous[order]
     )
-    return left_by(robot, own, [(q[:, order], torque[:, order], rate) for q, torque, rate in seen])
+    # what a drive's torque is unsure by goes along with it: a weak motor's seems small beside a
+    # strong one's, and explained by anything
+    drives = replace(robot, effort=robot.effort[order])
+    return left_by(drives, own, [(q[:, order], torque[:, order], rate) for q, torque, rate in seen])
