@@ -256,10 +256,13 @@ def test_the_drives_stop_when_sync_ends(in_real_time: Profile) -> None:
     """The loop hangs; heartbeats go on, so that it is SYNC that is missed."""
     with running(in_real_time) as (_, _, other):
         bus, errors = other.bus, []
-        end = time.monotonic() + 60.0
+        due = time.monotonic()
+        end = due + 60.0
+        beat = can.Message(arbitration_id=0x77F, data=[5], is_extended_id=False)
         while errors.count(0x8700) < 3 and time.monotonic() < end:
-            beat = can.Message(arbitration_id=0x77F, data=[5], is_extended_id=False)
-            bus.send(beat)
+            if time.monotonic() >= due:  # not one for each frame that has queued up here
+                bus.send(beat)
+                due = time.monotonic() + 0.02
             message = bus.recv(0.02)
             if message is not None and 0x80 < message.arbitration_id < 0x100:
                 errors.append(int.from_bytes(message.data[:2], "little"))
