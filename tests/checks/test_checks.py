@@ -130,7 +130,7 @@ KIN = {
 BY_TORQUE = ("millinewtonmetres", "sign")
 
 
-@pytest.mark.by_default("frozen", "jump", "degrees", "speed reversed", "sign")
+@pytest.mark.by_default("jump", "degrees", "sign")
 @pytest.mark.parametrize("case", [pytest.param(c, marks=LONG if c in KIN else ()) for c in FLAWS])
 def test_a_flaw_is_named_at_its_joint(robot, case, request):
     """By default what a channel shows by itself is not looked for with the textbook's torque."""

@@ -180,7 +180,7 @@ class ArmBench:
                 self._take_joints()
 
     def _run_on(self, plan, slower=AS_ASKED):
-        for _ in range(TRIES):
+        for _ in range(TRIES["oscillation"]):
             rows, fault = self.run(plan, slower=slower)
             if fault is None:
                 break
@@ -228,12 +228,12 @@ class ArmBench:
         while True:
             plan = read_request(asked).build(self.around)
             rows, fault = self.run(plan, self.known.figures)
-            if fault is None:
-                return plan, rows, None
+            if fault is None or fault.kind not in TRIES:
+                return plan, rows, fault
             tried[fault.axis] += 1
             cut = Seen(plan, self.rate, *self._ours(self.went))
             cut = cut if part == "friction" else None
-            if tried[fault.axis] < TRIES and self._calm(fault, cut):
+            if tried[fault.axis] < TRIES[fault.kind] and self._calm(fault, cut):
                 continue
             now = asked["parameters"].get("speed", 1.0)
             speed = slowed(self.profile, self.robot, self.known, fault, part, now)

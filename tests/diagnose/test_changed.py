@@ -67,6 +67,7 @@ def test_a_lack_that_another_motion_shows_more_is_told_as_a_lack():
     )
 
 
+@pytest.mark.long
 def test_a_change_is_named_beside_the_lack():
     runs, model = own()
     day = [rubbing("day_a", 3, more=MORE_VISCOUS), rubbing("day_b", 4, more=MORE_VISCOUS)]

@@ -59,6 +59,7 @@ def test_what_rose_or_fell_is_named_with_its_size(name):
     assert finding.sentence.startswith(f"Joint {joint + 1} now has {way} ")
 
 
+@pytest.mark.long
 def test_a_change_of_which_not_one_number_is_known_is_not_named(monkeypatch):
     """A clean arm "now has Stribeck friction", with Fs, vs and delta all not determined."""
     monkeypatch.setattr(with_numbers, "not_one", lambda term, found: bool(found))

@@ -50,6 +50,7 @@ def test_no_effect_is_made_of_noise():
     assert found.verdict == "none"
 
 
+@pytest.mark.long
 def test_an_effect_is_seen_beside_the_steps():
     def sticking(q, dq, ddq):
         return textbook_torque(q, dq, ddq) + 1.5 * np.sign(dq) * np.exp(-np.abs(dq) / 0.15)

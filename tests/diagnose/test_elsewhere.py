@@ -70,6 +70,7 @@ def test_what_rises_on_the_parents_own_runs_is_said(store, capsys, command):
     assert "fit to those runs as well" in said
 
 
+@pytest.mark.long
 def test_nothing_is_said_of_a_version_fitted_to_them(store, capsys):
     command = ["add", "m0", "torque_offset", "--joint", "1", "--name", "both", "--fit"]
     assert main(["--data", store, *command, *NAMES[:2], "slow_11"]) == 0

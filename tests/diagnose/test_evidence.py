@@ -189,6 +189,7 @@ def test_spread_is_the_rms_per_joint():
     assert spread({1: np.array([3.0, -3.0]), 0: np.zeros(4)}) == pytest.approx([1e-12, 3.0])
 
 
+@pytest.mark.long
 def test_what_the_model_is_off_by_counts_as_doubt(pytestconfig):
     """A model of 20 columns is fitted to little data with slow noise. What it is off by moves
     with the motion, and a candidate that resembles the motion finds it on the held-out side."""

@@ -60,6 +60,7 @@ def test_looking_around_stays_within_bounds_and_changes_no_choice():
     assert coupled == [{"ratio": -1.0, "viscous": 1.0}]
 
 
+@pytest.mark.long
 def test_how_sharply_a_joint_turns_round_is_looked_at_again_behind_anothers_gap():
     """A sign that was smoothed wrongly beside a gap was patched with Stribeck friction."""
     runs = recordings(5)

@@ -130,6 +130,7 @@ def test_improve_draws_none_unless_asked_to_and_with_it_nothing_is_left(run, une
     assert again["verdict"] == "none"
 
 
+@pytest.mark.long
 def test_words_for_a_person(diagnosis, unexplained):
     over = ",".join(unexplained["depends_on"])
     said = in_words(diagnosis)

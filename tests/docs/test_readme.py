@@ -21,6 +21,7 @@ ELSEWHERE = {
 ELSEWHERE_BY_DEFAULT = {
     "pa10d serve --hide any --clock simulated": "tests/daemon/test_night; here with --long",
     "pa10d serve --profile profiles/arm.yaml": "pa10d check, just before it; here with --long",
+    "pa10d diagnose m0 --fit train --validate valid": "improve searches the same; with --long",
 }
 
 

@@ -67,6 +67,7 @@ def test_the_guides_effect_conforms_and_is_exported(installed):  # noqa: F811
     assert found[-1].check == "export"
 
 
+@pytest.mark.long
 def test_the_guides_effect_is_exported_as_it_is(installed, monkeypatch):  # noqa: F811
     """Over 200 random shapes and motions; and a law that became another since is told."""
     installed()

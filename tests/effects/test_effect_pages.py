@@ -61,7 +61,7 @@ def test_portrait_shows_the_effect(name):
     assert np.ptp(drawn.x) > 0
 
 
-@pytest.mark.by_default("coulomb", "spring", "torque_gain")
+@pytest.mark.by_default("spring")
 @every
 def test_picture_is_up_to_date_and_small(name):
     pytest.importorskip("matplotlib", reason="matplotlib draws the pictures; pip install .[docs]")

@@ -32,7 +32,7 @@ def test_control_ends(world, moment):
     assert world.farthest < 1.5
 
 
-@pytest.mark.parametrize("wait", [0.5, 20.0])
+@pytest.mark.parametrize("wait", [0.5, pytest.param(20.0, marks=pytest.mark.long)])
 def test_a_reset_is_enough_after_control_was_killed(world, wait):
     """The next control process finds the drives in fault before it has measured anything."""
 

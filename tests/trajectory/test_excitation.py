@@ -45,6 +45,7 @@ def test_a_small_search_is_far_better_than_chance(small):
     assert small.figures.columns == 32
 
 
+@pytest.mark.long
 def test_the_figures_are_those_of_the_plan_that_runs(small):
     """From the plan's own samples, over one of its periods, not from the optimiser's matrices."""
     plan = read_request(small.document()).build(around_pa10())

@@ -74,6 +74,7 @@ def _searched(page):
     page.route(f"**/api/v1/diagnoses/{SEARCH['id']}", answer)
 
 
+@pytest.mark.long
 def test_what_was_found_and_not_added_comes_before_a_new_search(versions, visit):
     url, library = versions
     visitor = visit(url)
@@ -93,6 +94,7 @@ def test_what_was_found_and_not_added_comes_before_a_new_search(versions, visit)
     assert not visitor.errors
 
 
+@pytest.mark.long
 def test_a_version_that_is_clicked_is_the_one_that_is_shown_and_exported(versions, visit):
     visitor = visit(versions[0])
     page = visitor.page
@@ -110,6 +112,7 @@ def test_a_version_that_is_clicked_is_the_one_that_is_shown_and_exported(version
     assert not visitor.errors
 
 
+@pytest.mark.long
 def test_what_was_promised_stands_beside_what_came_and_can_be_undone(versions, visit):
     visitor = visit(versions[0])
     page = visitor.page
@@ -155,6 +158,7 @@ def answered(body: str):
     return lambda route: route.fulfill(body=body, content_type="application/json")
 
 
+@pytest.mark.long
 def test_each_finding_can_be_seen_on_the_arm_alone(versions, visit):
     url, _ = versions
     visitor = visit(url)
