@@ -13,6 +13,7 @@ import os
 import signal
 import sys
 import time
+from contextlib import suppress
 from functools import partial
 from typing import NoReturn
 
@@ -52,7 +53,14 @@ def run() -> NoReturn:
 
 def _done(status: int) -> NoReturn:
     """What was asked for is done and told: an interrupt from here on changes its status no more."""
-    signal.signal(signal.SIGINT, lambda *_: os._exit(status))
+
+    def at_once(*_: object) -> None:
+        for stream in (sys.stdout, sys.stderr):
+            with suppress(Exception):  # it may be closed by now, or be flushed just then
+                stream.flush()
+        os._exit(status)
+
+    signal.signal(signal.SIGINT, at_once)
     sys.exit(status)
 
 
