@@ -32,7 +32,6 @@ SHARES = {"friction": 0.2, "response": 0.6, "poses": 0.2}  # of the time
 # of one joint, with calmer gains where it swings, firmer ones where it falls behind: what it weighs
 # may be told before, and by halves a servo gets to its firmest in four steps
 TRIES = {"oscillation": 5, "following_error": 8}
-OF = {"way_out": "ways_out"}  # modules of services that are asked, beside joints
 SKIPPED = "measured on {}, and neither profile nor URDF has changed since: nothing to do"
 
 AGAIN = "has shown how it is to be held: it is tried again by itself"
@@ -72,7 +71,7 @@ class FirstMotion:
 
     async def _measure(self) -> Outcome:
         at = self._robot.pose().tolist()
-        begin = await self._ask("parts_to_run", parameters=self._request.parameters, at=at)
+        begin = await self._ask("joints:parts_to_run", parameters=self._request.parameters, at=at)
         self._before = PidGains.from_document(begin["before"])
         known = KnownJoints.from_document(begin["begin"])
         self.result.tuned += begin["notes"]
@@ -83,9 +82,11 @@ class FirstMotion:
             inner = part(self._report, before, before + share)
             runs[name], known = await self._run(name, known, inner)
             before += share
-            told = await self._ask("learn", runs=runs, known=known.document())
+            told = await self._ask("joints:learn", runs=runs, known=known.document())
             known = KnownJoints.from_document(told)
-        made = await self._ask("keep_joints", runs=list(runs.values()), known=known.document())
+        made = await self._ask(
+            "joints:keep_joints", runs=list(runs.values()), known=known.document()
+        )
         kept = MeasuredJoints.from_document(made)
         await self._robot.use_gains(kept.known.gains, keep=True, felt=kept.known.felt)
         self._robot.joints = kept
@@ -127,7 +128,7 @@ class FirstMotion:
                     self.result.notes.append(SLOWED.format(fault.joint, speed))
                 else:
                     told = {"known": known.document(), "fault": fault.document()}
-                    way = await self._ask("way_out", **told)
+                    way = await self._ask("ways_out:way_out", **told)
                     raise UserError(f"joint {fault.joint}: {fault.cause}; {way}") from error
                 await self._robot.reset()
                 continue
@@ -145,7 +146,7 @@ class FirstMotion:
         rad and N·m (N, n), until then, of a part that can tell weights."""
         seen = None if went is None else [values.tolist() for values in went]
         told = {"known": known.document(), "fault": fault.document(), "went": seen}
-        calmer = await self._ask("calmer", **told)
+        calmer = await self._ask("joints:calmer", **told)
         if calmer is None:
             return None
         self.result.tuned.append(calmer["note"])
@@ -160,12 +161,12 @@ class FirstMotion:
             return None
         speed = float(parameters.get("speed", 1.0))
         told = {"known": known.document(), "fault": fault.document()}
-        less: float | None = await self._ask("slower", part=name, speed=speed, **told)
+        less: float | None = await self._ask("joints:slower", part=name, speed=speed, **told)
         return less
 
     async def _ask(self, what: str, **more: Any) -> Any:
         return await self._daemon.workers.run(
-            f"pa10d.services.{OF.get(what, 'joints')}:{what}",
+            f"pa10d.services.{what}",
             lambda *_: None,
             data=str(self._daemon.data),
             profile=str(self._daemon.profile.path),
