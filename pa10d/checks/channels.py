@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 from pa10d.checks.finding import CheckFinding, Mend, joint_label, percent
 from pa10d.checks.held import held_runs
 from pa10d.dynamics import Robot
+from pa10d.measurement.clipped import is_moving, limits, stretches
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.standstill import NEVER_MOVES
 
 Array = NDArray[np.float64]
-Runs = list[tuple[int, int]]  # first index, length
 
-MOVING = 0.02  # of the joint's fast speed
 FROZEN = 0.25  # s
 LITTLE = 0.1  # rad (m)
 DULL = 0.5  # of the moving samples at one value
 OFTEN = 10  # stays at it
 MATERIAL = 0.01  # of the samples: fewer wrong ones make a fit poorer, not wrong
+MOSTLY = 0.5  # of the samples at a limit: what is left is no picture of the joint
 
 
 def check_channels(
@@ -30,23 +30,15 @@ def check_channels(
     """Findings per joint, from the arrays alone; robot: says which joints slide."""
     for j in range(recording.joints):
         q, tau = recording.q[:, j], recording.tau[:, j]
-        label, moving = joint_label(j, names), _moving(q)
+        label, moving = joint_label(j, names), is_moving(q)
         angle = "rad" if robot is None else robot.angle_unit(j)
         torque = "N·m" if robot is None else robot.torque_unit(j)
         motion = list(_motion(q, recording, label, j, angle))
         yield from motion
         if np.ptp(q) > NEVER_MOVES:
-            yield from _clipped(tau, moving, label, j, torque)
+            yield from _clipped(q, tau, label, j, torque)
             dull = list(_dull(tau, moving, label, j, torque))
             yield from dull or _frozen(tau, moving, recording, label, j)
-
-
-def _moving(q: Array) -> NDArray[np.bool_]:
-    """(N,) faster than creeping, judged over several samples because encoders are coarse."""
-    reach = min(5, (len(q) - 1) // 2)
-    span = np.abs(q[2 * reach :] - q[: len(q) - 2 * reach])
-    fast = span > max(MOVING * float(np.quantile(span, 0.99)), 1e-12)
-    return np.concatenate([fast[:1].repeat(reach), fast, fast[-1:].repeat(reach)])
 
 
 def _motion(
@@ -83,33 +75,18 @@ def _motion(
         )
 
 
-def _clipped(
-    tau: Array, moving: NDArray[np.bool_], label: str, j: int, unit: str
-) -> Iterator[CheckFinding]:
-    """A limit shows as one extreme value that returns again and again while the joint moves.
-
-    A coarse sensor dwells on its highest level too, but then about as long on the one below.
-    """
-    for side, extreme in ((1.0, "largest"), (-1.0, "smallest")):
-        values = side * tau
-        top = values.max()
-        below = values[values < top]
-        if not len(below):
-            return
-        flat = (values == top) & moving
-        beside = int((values == below.max()).sum())
-        held = sum(length for _, length in _runs(flat) if length >= 3)
-        if held >= 10 and held > 6 * beside:
-            share = percent(held / len(tau))
-            yield CheckFinding(
-                "error" if held > MATERIAL * len(tau) else "warning",
-                "clipped",
-                f"{label}: the torque stands at its {extreme} value {side * top:.4g} {unit} in "
-                f"{share} of the samples: it is clipped",
-                "widen the sensor's range or move less hard; leave these samples out of a fit. "
-                "What an amplifier was told (a duty, a voltage) may stand at its limit: force it",
-                j + 1,
-            )
+def _clipped(q: Array, tau: Array, label: str, j: int, unit: str) -> Iterator[CheckFinding]:
+    for limit in limits(q, tau):
+        share = float(limit.at.mean())
+        yield CheckFinding(
+            "error" if share > MOSTLY else "warning",
+            "clipped",
+            f"{label}: the torque stands at its {'largest' if limit.largest else 'smallest'} value "
+            f"{limit.level:.4g} {unit} in {percent(share)} of the samples: it is clipped",
+            "widen the sensor's range or move less hard; no fit and no judgement of this joint "
+            "uses these samples",
+            j + 1,
+        )
 
 
 def _dull(
@@ -121,7 +98,7 @@ def _dull(
     if len(values) < 2:
         return
     most = int(np.argmax(counts))
-    stays = len(_runs((tau == values[most]) & moving))
+    stays = len(stretches((tau == values[most]) & moving))
     if 0 < most < len(values) - 1 and counts[most] > DULL * moving.sum() and stays > OFTEN:
         step = float(np.diff(values[most - 1 : most + 2]).min())
         yield CheckFinding(
@@ -143,7 +120,7 @@ def _frozen(
     least = max(10, int(FROZEN * recording.rate))
     same = np.concatenate([[False], np.diff(tau) == 0]) & moving
     extreme = (tau == tau.max()) | (tau == tau.min())
-    runs = [(k, length) for k, length in _runs(same & ~extreme) if length >= least]
+    runs = [(k, length) for k, length in stretches(same & ~extreme) if length >= least]
     constant = np.ptp(tau) == 0
     if constant or runs:
         first, longest = (0, len(tau)) if constant else max(runs, key=lambda run: run[1])
@@ -156,9 +133,3 @@ def _frozen(
             "look for a lost sensor or a logger that repeats old values",
             j + 1,
         )
-
-
-def _runs(flags: NDArray[np.bool_]) -> Runs:
-    """Where ``flags`` is True without a break."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(np.int8), [0]])))
-    return [(int(a), int(b - a)) for a, b in zip(edges[::2], edges[1::2], strict=True)]

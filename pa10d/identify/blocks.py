@@ -167,7 +167,7 @@ class Pieces:
         own[first:last] = True
         counts = own[:, None] & ~self._slow(run)
         moving = run.moving
-        if run.going is not None:
+        if not run.stands and run.going is not None:
             moving = run.counts & counted(run.going, run.lowpass, HOLDS)
         seen = self.layout.seen
         raw = run.raw_rigid(self.layout.base.kept)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pa10d.effects import Context
 from pa10d.model import Term, TorqueModel
 from pa10d.regression.equation import RunEquation
+from pa10d.regression.rests import rung_by
 
 Array = NDArray[np.float64]
 
@@ -37,8 +38,11 @@ class Piece:
     @property
     def resting(self) -> NDArray[np.bool_]:
         """(M, n) samples at rest, where equations hold there at all."""
-        stands = self.equation.going is None
-        return self.inside & ~self.moving if stands else np.zeros_like(self.moving)
+        if not self.equation.stands:
+            return np.zeros_like(self.moving)
+        going = self.equation.going
+        still = self.inside & ~self.moving
+        return still if going is None else still & ~rung_by(going, self.equation.lowpass)
 
     @property
     def context(self) -> Context:

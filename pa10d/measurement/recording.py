@@ -9,6 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.measurement.clipped import clipped
+
 Array = NDArray[np.float64]
 
 
@@ -23,6 +25,7 @@ class Recording:
     temperature  (N, n)  °C, or None
     extra        name -> (N,): further channels, kept and never needed
     excluded     stretches (begin, end), s since the first sample, that no fit and no judgement uses
+    limited      (N, n) True where a torque stands at a limit; None: as it shows by itself
     """
 
     name: str
@@ -33,6 +36,7 @@ class Recording:
     temperature: Array | None = None
     extra: Mapping[str, Array] = field(default_factory=dict)
     excluded: tuple[tuple[float, float], ...] = ()
+    limited: NDArray[np.bool_] | None = None
 
     @property
     def joints(self) -> int:
@@ -52,7 +56,8 @@ class Recording:
     def without(self, stretches: Sequence[tuple[float, float]]) -> Recording:
         """The same with these stretches excluded, too, the torque a straight line in each: what is
         wrong there must reach nothing else through a filter."""
-        marked = replace(self, excluded=tuple(sorted({*self.excluded, *stretches})))
+        apart = tuple(sorted({*self.excluded, *stretches}))
+        marked = replace(self, excluded=apart, limited=self.clipped)
         out = marked.left_out
         if not out.any() or out.all():
             return marked
@@ -70,6 +75,11 @@ class Recording:
             out |= (t >= begin) & (t <= end)
         return out
 
+    @cached_property
+    def clipped(self) -> NDArray[np.bool_]:
+        """(N, n) True where a torque stands at a limit, and nobody knows what it was."""
+        return clipped(self.q, self.tau) if self.limited is None else self.limited
+
     def part(self, start: int, stop: int, suffix: str) -> Recording:
         """Samples start … stop-1 as a recording of its own (for splits in time)."""
         cut = slice(start, stop)
@@ -82,6 +92,7 @@ class Recording:
             temperature=None if self.temperature is None else self.temperature[cut],
             extra={k: v[cut] for k, v in self.extra.items()},
             excluded=self._excluded_in(cut),
+            limited=self.clipped[cut],
         )
 
     def _excluded_in(self, cut: slice) -> tuple[tuple[float, float], ...]:

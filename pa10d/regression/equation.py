@@ -20,7 +20,15 @@ from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import Lowpass, delayed, refuse_cutoff
 from pa10d.measurement.standstill import RESTING, held, standstill
 from pa10d.measurement.torque_filter import TorqueFilter
-from pa10d.regression.rests import FEWEST_MOVING, counted, filtered, filtered_rows, going
+from pa10d.regression.rests import (
+    FEWEST_MOVING,
+    below_limits,
+    counted,
+    filtered,
+    filtered_rows,
+    going,
+    rung_by,
+)
 
 Array = NDArray[np.float64]
 
@@ -48,8 +56,9 @@ class RunEquation:
     moving   (M, n) as keep, but reversals without a rest count: what tells how sharp they are
     inside   (M,) False only near the ends, and where the run is left out
     used     (M,) False only where the run is left out, and too near to that
-    going    (N, n) 0 where joint i stands, 1 clear of that: its equation is multiplied by it before
-             anything is filtered
+    going    (N, n) 0 where joint i stands or its torque stands at a limit, 1 clear of that: its
+             equation is multiplied by it before anything is filtered
+    stands   its equations hold where a joint stands, too
     shift    s, by which the torque was moved to match the motion
     angles   (N, n) as they were measured, of joints whose motion was made of them; nan of others
     """
@@ -66,6 +75,7 @@ class RunEquation:
     used: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     going: Array | None = None
     angles: Array | None = None
+    stands: bool = True
 
     @property
     def rate(self) -> float:
@@ -116,9 +126,10 @@ class RunEquation:
         left as it is. fast: (n,) rad/s, what counts as fast for each joint."""
         rested = self.moving.sum(axis=0) < FEWEST_MOVING
         share = going(self.context.dq, self.lowpass, fast, but=np.flatnonzero(rested))
+        share = share if self.going is None else share * self.going
         moves = self.counts & counted(share, self.lowpass, CLEAR)
         keep = np.where(rested, self.keep, moves)
-        return replace(self, going=share, keep=keep, moving=self.moving | keep)
+        return replace(self, going=share, keep=keep, moving=self.moving | keep, stands=False)
 
     @cached_property
     def counts(self) -> NDArray[np.bool_]:
@@ -198,6 +209,10 @@ def prepare(
     counts = inside[:, None] & ~held(q, [robot.torque_unit(j) for j in range(robot.n)])
     keep = counts & ~standstill(dq, rate, lowpass, fast)
     moving = counts & ~standstill(dq, rate, lowpass, fast, RESTING)
+    known = below_limits(recording.clipped, lowpass, shift)
+    if known is not None:
+        rung = rung_by(known, lowpass)
+        keep, moving = keep & ~rung, moving & ~rung
     context = Context(
         robot=robot,
         t=recording.t - recording.t[0],
@@ -220,6 +235,7 @@ def prepare(
         moving,
         inside,
         used,
+        known,
         angles=np.where(source.reported, np.nan, recording.q),
     )
     return whole if stands else whole.without_stands(fast)

@@ -1,9 +1,11 @@
-"""Each joint's equation without the moments at which it stands, before anything is filtered.
+"""Each joint's equation without moments of which nobody knows a side, before anything is filtered.
 
 While a joint stands, if only to turn round, its friction is anything between both breakaways, and
 no column can say which. A low-pass carries that into the motion before and after. But an equation
 that is multiplied by 0 there, on both sides, holds all the same, and low-passed it holds
 everywhere: what nobody knows is gone, and what a joint does right after a reversal still counts.
+
+So is a torque that stands at the limit of its channel: what it was is known as little.
 
 The factor falls and rises smoothly. Noise above the cut-off (a differentiated angle has most of it
 there) times a step would come down into the band.
@@ -34,16 +36,53 @@ def going(dq: Array, lowpass: Lowpass, fast: Array | None = None, but: Iterable[
     dq: (N, n) rad/s; fast: (n,) rad/s, what counts as fast for each joint (default: from dq);
     but: joints (0-based) that are seen throughout.
     """
-    samples, rate, channel = len(dq), lowpass.rate, lowpass.channel
-    reach = 0 if channel is None else int(np.ceil(SETTLED * channel.delay * rate))
-    ramp = max(RAMP * rate / lowpass.cutoff, 1.0)
-    out, seen = np.ones(dq.shape), set(but)
-    for j, found in enumerate(stops(dq, rate, fast)):
-        stood = near(found, samples, reach)
-        if j not in seen and stood.any():
-            away = scipy.ndimage.distance_transform_edt(~stood)
-            out[:, j] = np.sin(0.5 * np.pi * np.minimum(away / ramp, 1.0)) ** 2
-    return out
+    samples, reach, seen = len(dq), _remembered(lowpass), set(but)
+    stood = np.zeros(dq.shape, dtype=bool)
+    for j, found in enumerate(stops(dq, lowpass.rate, fast)):
+        if j not in seen:
+            stood[:, j] = near(found, samples, reach)
+    return _away_from(stood, lowpass)
+
+
+def below_limits(clipped: NDArray[np.bool_], lowpass: Lowpass, shift: float = 0.0) -> Array | None:
+    """(N, n) 0 where joint i's torque stands at a limit, 1 clear of that; None where none does.
+
+    clipped: (N, n); shift: s by which the torque was late.
+    """
+    if not clipped.any():
+        return None
+    reach = _remembered(lowpass) + int(np.ceil(abs(shift) * lowpass.rate))
+    wide = [near(_edges(clipped[:, j]), len(clipped), reach) for j in range(clipped.shape[1])]
+    return _away_from(np.stack(wide, axis=1), lowpass)
+
+
+def rung_by(factor: Array, lowpass: Lowpass) -> NDArray[np.bool_]:
+    """(M, n) near where such a factor (N, n) is not 1, as far as the plain low-pass rings."""
+    reach = lowpass.settle * lowpass.factor
+    wide = [near(_edges(one < 1.0), len(one), reach) for one in factor.T]
+    return np.stack(wide, axis=1)[:: lowpass.factor]
+
+
+def _remembered(lowpass: Lowpass) -> int:
+    """Samples for which a torque channel has not forgotten yet."""
+    channel = lowpass.channel
+    return 0 if channel is None else int(np.ceil(SETTLED * channel.delay * lowpass.rate))
+
+
+def _edges(flags: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """(k, 2): begin and end, wherever flags (N,) are True without a break."""
+    found = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(np.int8), [0]])))
+    return found.reshape(-1, 2)
+
+
+def _away_from(out: NDArray[np.bool_], lowpass: Lowpass) -> Array:
+    """(N, n) 0 where nothing counts (N, n), and how it rises beside that."""
+    ramp = max(RAMP * lowpass.rate / lowpass.cutoff, 1.0)
+    factor = np.ones(out.shape)
+    for j in np.flatnonzero(out.any(axis=0)):
+        away = scipy.ndimage.distance_transform_edt(~out[:, j])
+        factor[:, j] = np.sin(0.5 * np.pi * np.minimum(away / ramp, 1.0)) ** 2
+    return factor
 
 
 def filtered(columns: Array, lowpass: Lowpass, going: Array, left: Array) -> Array:

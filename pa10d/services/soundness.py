@@ -28,14 +28,14 @@ def errors_of(
     return [finding for finding in found if finding.severity == "error"]
 
 
-READ_WRONG = frozenset({"turned", "order", "torque_scale", "clock"})
+READ_WRONG = frozenset({"turned", "order", "torque_scale", "clock", "clipped"})
 """Findings that would explain more of a misfit than any effect."""
 
 
 def read_wrong(infos: Iterable[RunInfo]) -> tuple[str, ...]:
     """What the checks of runs said when they were brought in, and whoever fits them ought to hear
-    again: columns that may be another's, turned round, in another unit, on another clock, and
-    every error, which was forced."""
+    again: columns that may be another's, turned round, in another unit, on another clock, clipped,
+    and every error, which was forced."""
     return tuple(
         f"run {info.name}: {kept['sentence']}, as its check said → {kept['advice']}"
         for info in infos
