@@ -111,7 +111,8 @@ class TextbookView:
         """(blocks, n) sums of squares that the textbook model leaves, each by its joint's scale."""
         parameters, _ = fit_textbook(self.columns, self.tau, self.keep, 1.0 / self.scale)
         left = np.where(self.keep, (self.tau - self.columns @ parameters) / self.scale, 0.0)
-        return np.column_stack([np.bincount(self.blocks, of_joint) for of_joint in (left**2).T])
+        by_joint = [np.bincount(self.blocks, squares) for squares in (left**2).T]
+        return np.column_stack(by_joint).astype(float, copy=False)
 
 
 def surely_less(new: Array, old: Array) -> bool:

@@ -92,7 +92,7 @@ def few_moments(runs: Sequence[tuple[Array, Mask, float]]) -> Moments | None:
     few = np.zeros(len(power), dtype=bool)
     few[order[:count]] = True
     counts = [len(one) for one, _ in found]
-    begins = STRETCH * np.concatenate([np.arange(k) for k in counts])
+    begins = STRETCH * np.concatenate([np.arange(k, dtype=float) for k in counts])
     moments = Moments(few, power, time, np.repeat(np.arange(len(runs)), counts), begins)
     return moments if moments.seconds <= SHORT * time.sum() else None
 

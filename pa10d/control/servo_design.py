@@ -84,9 +84,9 @@ class LoopTiming:
 
     def terms(self, w: Array) -> tuple[Complex, Complex, Complex]:
         """What kp, ki, kd are multiplied by in the sampled loop, delay included."""
-        back = np.exp(-1j * w * self.period)
+        back: Complex = np.exp(-1j * w * self.period)
         share = 1.0 - np.exp(-2.0 * np.pi * CUTOFF * self.period)
-        late = np.exp(-1j * w * self.delay)
+        late: Complex = np.exp(-1j * w * self.delay)
         speed = share * (1.0 - back) / self.period / (1.0 - (1.0 - share) * back)
         return late, late * self.period / (1.0 - back), late * speed
 

@@ -53,7 +53,8 @@ class Coupled:
         )
         top = np.block([[still, unit, still], [still, still, unit]])
         tops = np.broadcast_to(top, (len(k), *top.shape))
-        return np.concatenate([tops, -np.linalg.solve(self.mass, forces)], axis=1)
+        moved = np.asarray(np.linalg.solve(self.mass, forces), dtype=float)
+        return np.concatenate([tops, -moved], axis=1)
 
 
 def settled(arm: Coupled, integral: Array) -> Array:

@@ -37,4 +37,5 @@ def weighing(robot: Robot, bodies: Array) -> CarryingRobot:
     """The arm with these bodies (n, 10), as they were felt: how thick they are nobody felt."""
     fields = {name: getattr(robot, name) for name in Robot.__dataclass_fields__}
     bare = robot.bare if isinstance(robot, CarryingRobot) else robot
-    return CarryingRobot(**{**fields, "parameters": bodies}, bare=bare)
+    fields["parameters"] = bodies
+    return CarryingRobot(**fields, bare=bare)

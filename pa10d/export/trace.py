@@ -108,9 +108,7 @@ def apply(op: str, *args: Any) -> Number:
     plain = tuple(a if isinstance(a, Node) else float(a) for a in args)
     if not any(isinstance(a, Node) for a in plain):
         return KNOWN[op](*plain)
-    a: Any
-    b: Any
-    a, b = (*plain, None)[:2]
+    a, b = plain[0], plain[-1]
     if op == "multiply" and 0.0 in plain:
         return 0.0
     if op in ("multiply", "divide", "power") and _is(b, 1.0):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,7 @@ class HeldOut:
         """(K,) N·m by which the prediction moved from the version before to this one."""
         return self.error(version - 1, joint) - self.error(version, joint)
 
-    def counted(self, per_run: Sequence[Array], joint: int) -> Array:
+    def counted(self, per_run: Sequence[NDArray[Any]], joint: int) -> NDArray[Any]:
         """Values (M,) of each run where the joint's error counts, all runs in a row."""
         pairs = zip(per_run, self.seen[0], strict=True)
         return np.concatenate([values[run.counts[:, joint]] for values, run in pairs])

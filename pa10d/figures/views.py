@@ -27,9 +27,9 @@ class ViewAxis:
 
     label: str
     x: Look
-    slow_enough: Look | None = None
+    slow_enough: Callable[[RunResidual, Term, int], NDArray[np.bool_]] | None = None
 
-    def shows(self, run: RunResidual, term: Term, joint: int) -> Array:
+    def shows(self, run: RunResidual, term: Term, joint: int) -> NDArray[np.bool_]:
         """(M,) True where the effect can be seen undistorted."""
         if self.slow_enough is None:
             return np.ones(len(run.measured), dtype=bool)
@@ -70,7 +70,7 @@ def _phase(run: RunResidual, term: Term, joint: int) -> Array:
     return np.asarray(turns * term.shape[term.effect.line_order] % 1.0)
 
 
-def _slow(run: RunResidual, term: Term, joint: int) -> Array:
+def _slow(run: RunResidual, term: Term, joint: int) -> NDArray[np.bool_]:
     speed = np.abs(run.decimated(run.seen.dq[:, _own(term, joint)]))
     hertz = speed * term.shape[term.effect.line_order] / (2 * np.pi)
     return np.asarray(hertz < PASSED * run.equation.lowpass.cutoff)

@@ -50,7 +50,9 @@ def wrap_of(values: Array, factor: float = 1.0, *, position: bool = False) -> Wr
     if not bits:
         upper = upper_half(logged)
         told = running_over(values)
-        return told or (Wrap(sign_bits=upper, told=False) if upper in ALONE[position] else None)
+        if told or upper is None or upper not in ALONE[position]:
+            return told
+        return Wrap(sign_bits=upper, told=False)
     return running_over(values) if running_over(signed(logged, bits)) else Wrap(sign_bits=bits)
 
 

@@ -29,7 +29,8 @@ SHORT = 2.0  # s of one segment there
 def motion_up_to(runs: Sequence[tuple[Array, float]]) -> float:
     """Hz, of most joints: runs are angles (N, n) and their rate, no joint's noise being more than
     ``SHARE`` below; inf where there is none to be seen."""
-    made, noise = (sum(part) for part in zip(*(_powers(q, rate) for q, rate in runs), strict=True))
+    powers = zip(*(_powers(q, rate) for q, rate in runs), strict=True)
+    made, noise = (np.asarray(sum(of_runs)) for of_runs in powers)
     moves = made > 0.0
     if not moves.any():
         return np.inf

@@ -144,7 +144,7 @@ def worst(covariances: Sequence[Array]) -> Array:
 
 def _waves(x: Array, low: float, high: float, count: int) -> Family:
     """Half cosines from ``low`` to ``high``, the shorter the less likely."""
-    order = np.arange(count)
+    order = np.arange(count, dtype=float)
     u = np.clip((x - low) / max(high - low, 1e-12), 0.0, 1.0)
     return np.asarray(np.cos(np.pi * np.outer(u, order))), np.asarray(1.0 / (1.0 + order**2))
 

@@ -57,11 +57,10 @@ class Improved:
     def document(self) -> JsonObject:
         """As JSON: the diagnosis, and which models were stored."""
         made = [
-            {"id": i.id, "name": i.name, "change": i.change, "held_out": m.held_out["held out"]}
+            {"id": i.id, "name": i.name, "change": i.change, "held_out": list(map(float, held_out))}
             for i, m in zip(self.infos, self.models, strict=False)
+            for held_out in [m.held_out["held out"]]
         ]
-        for entry in made:
-            entry["held_out"] = [float(v) for v in entry["held_out"]]
         last = self.infos[-1] if self.infos else None
         return {
             "id": last.id if last else None,

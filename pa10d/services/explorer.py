@@ -173,7 +173,7 @@ def _samples(source: Source, span: Span) -> tuple[int, int]:
     return first, max(first + 2, last)
 
 
-def _frequencies(signal: Array, rate: float) -> tuple[Array, Array]:
+def _frequencies(signal: Array, rate: float) -> tuple[Array, NDArray[np.float32]]:
     length = len(signal)
     segment = max(min(length, int(LEAST * rate)), 2 * length // (SEGMENTS + 1))
     f, power = scipy.signal.welch(
@@ -182,7 +182,7 @@ def _frequencies(signal: Array, rate: float) -> tuple[Array, Array]:
     return _sent(f, np.sqrt(2 * power))
 
 
-def _orders(q: Array, dq: Array, signal: Array) -> tuple[Array, Array]:
+def _orders(q: Array, dq: Array, signal: Array) -> tuple[Array, NDArray[np.float32]]:
     moving = np.abs(dq) > STILL * np.abs(dq).max()
     every = max(1, math.ceil(int(moving.sum()) / MOST))
     q, dq, signal = (values[moving][::every] for values in (q, dq, signal))
@@ -194,7 +194,7 @@ def _orders(q: Array, dq: Array, signal: Array) -> tuple[Array, Array]:
     return _sent(order, np.sqrt(2 * np.mean(left**2) * share))
 
 
-def _sent(axis: Array, amplitude: Array) -> tuple[Array, Array]:
+def _sent(axis: Array, amplitude: Array) -> tuple[Array, NDArray[np.float32]]:
     """What a screen can show. With several channels all have one axis, so lines are merged
     blockwise and not where each has its own peaks."""
     width = max(1, math.ceil(len(axis) / LINES))

@@ -13,7 +13,7 @@ def fourier_basis(fundamental: float, harmonics: int, t: Array) -> tuple[Array, 
 
     Coefficients are [q0, a_1 … a_H, b_1 … b_H] as in q0 + Σ a_l sin(ω l t) - b_l cos(ω l t).
     """
-    order = 2.0 * np.pi * fundamental * np.arange(1, harmonics + 1)
+    order = 2.0 * np.pi * fundamental * np.arange(1.0, harmonics + 1)
     sine, cosine = np.sin(np.outer(t, order)), np.cos(np.outer(t, order))
     one, zero = np.ones((len(t), 1)), np.zeros((len(t), 1))
     return (

@@ -51,7 +51,8 @@ def _parse(number: int, asked: JsonObject, n: int, known: Mapping[str, Spec]) ->
             raise UserError(f"{where}: {name} needs a value for {key}")
         if type(spec.parameters[key]) is not str and not _is_number(value, spec.parameters[key]):
             raise UserError(f"{where}: {name}.{key}: found {value!r}, expected a number")
-        if name in ALL and key in ABOVE_ZERO and value <= 0:
+        size = value if isinstance(value, int | float) else 1.0
+        if name in ALL and key in ABOVE_ZERO and size <= 0:
             raise UserError(f"{where}: {name}.{key}: found {value!r}, expected more than 0")
     return Hidden(name, joints, values)
 

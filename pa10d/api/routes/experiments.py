@@ -123,7 +123,8 @@ async def start_tracking(
     if request.kind == FIRST:
         raise Problem("refused", "track: a first motion is the servo's own; expected another kind")
     models = [(await find_model(daemon, model)).id for model in request.models]
-    asked = TrackingRequest(**{**request.model_dump(), "models": models})
+    found: JsonObject = {**request.model_dump(), "models": models}
+    asked = TrackingRequest(**found)
     if not request.replace:
         for number in range(len(asked.laws)):
             await refuse_taken_run(daemon, asked.run_name(number), "; or replace: true")
@@ -181,7 +182,8 @@ async def _checked(daemon: Daemon, request: ExperimentRequest) -> MotionRequest:
         raise Problem("refused", f"{controller}: expected 'model', the name of a model")
     if not request.replace:
         await refuse_taken_run(daemon, request.name, "; or replace: true")
-    return MotionRequest(**{**request.model_dump(), "controller": controller, "model": model})
+    found: JsonObject = {**request.model_dump(), "controller": controller, "model": model}
+    return MotionRequest(**found)
 
 
 def _known(kind: str) -> None:

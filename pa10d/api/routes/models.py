@@ -190,7 +190,7 @@ async def improve(
     info = await find_model(daemon, model)
     may_replace(request.replace)
     await _check(daemon, [*request.fit, *request.validate_], request)
-    asked = {"model": info.id, **_dump(request)}
+    asked: JsonObject = {"model": info.id, **_dump(request)}
     if asked.pop("experiments"):
         take_command(daemon, client)
         require_ready(daemon)

@@ -197,11 +197,11 @@ def term_covariance(
         penalty = term.effect.penalty(term.shape)
         if penalty is not None:
             gram = gram + penalty.T @ penalty
-    inverse = np.linalg.pinv(gram, rcond=1e-12, hermitian=True)
+    inverse = np.asarray(np.linalg.pinv(gram, rcond=1e-12, hermitian=True), dtype=float)
     known = None
     if state.problem.known is not None:
         known = inverse @ (gram - sum(c.T @ c for c in left.values())) @ inverse
-    covariance = covariance_under(state, left, np.asarray(inverse), known)
+    covariance = covariance_under(state, left, inverse, known)
     if not of_noise:
         slopes = {j: c[:, k:] for j, c in columns.items()}
         systematic = moved_by_reversals(state, index, slopes, np.diag(covariance))

@@ -69,7 +69,7 @@ def partials(
 def normal_equations(fit: LeastSquares, columns: PerJoint) -> tuple[Array, Array]:
     """Gram matrix (k, k) and right side (k,) of what ``fit`` leaves over of k columns."""
     weighted = {j: c / fit.sigma[j] for j, c in columns.items()}
-    seen = sum(fit.basis[j].T @ c for j, c in weighted.items())
+    seen = np.asarray(sum(fit.basis[j].T @ c for j, c in weighted.items()))
     gram = sum(c.T @ c for c in weighted.values()) - seen.T @ seen
     rhs = sum(c.T @ fit.residual[j] for j, c in weighted.items())
     return np.asarray(gram), np.asarray(rhs)

@@ -45,7 +45,7 @@ def beyond(state: SearchState) -> list[Beyond | None]:
     residual = state.held_residual()
 
     def worst(joint: int) -> Beyond | None:
-        places = []
+        places: list[Beyond] = []
         unit = state.model.robot.angle_unit(joint)
         names = ((f"q{joint + 1}", unit), (f"dq{joint + 1}", f"{unit}/s"))
         fitted, held = _own_motion(state.train, joint), _own_motion(state.held, joint)

@@ -150,7 +150,7 @@ def questions(joint: int, n: int) -> list[tuple[str, ...]]:
     dq = [f"dq{j + 1}" for j in range(n)]
     ddq = [f"ddq{j + 1}" for j in range(n)]
     own_q, own_dq = q[joint], dq[joint]
-    single = [(x,) for x in (*q, *dq, *ddq)]
+    single: list[tuple[str, ...]] = [(x,) for x in (*q, *dq, *ddq)]
     pairs = set(combinations(q, 2))
     pairs |= {(own_dq, x) for x in q} | {(own_q, x) for x in dq}
     pairs |= set(combinations(dq, 2))
