@@ -120,7 +120,12 @@ def _frozen(
     least = max(10, int(FROZEN * recording.rate))
     same = np.concatenate([[False], np.diff(tau) == 0]) & moving
     extreme = (tau == tau.max()) | (tau == tau.min())
-    runs = [(k, length) for k, length in stretches(same & ~extreme) if length >= least]
+    step = _step(tau, same)
+    runs = [
+        (k, length)
+        for k, length in stretches(same & ~extreme)
+        if length >= least and _jump(tau, k - 1, k + length) > 1.5 * step
+    ]
     constant = np.ptp(tau) == 0
     if constant or runs:
         first, longest = (0, len(tau)) if constant else max(runs, key=lambda run: run[1])
@@ -133,3 +138,19 @@ def _frozen(
             "look for a lost sensor or a logger that repeats old values",
             j + 1,
         )
+
+
+def _step(tau: Array, same: NDArray[np.bool_]) -> float:
+    """Between neighbouring ones of the values that the torque comes to stand at again and again:
+    the steps of a coarse channel. 0 where it has none; what a logger repeats has no such values."""
+    stood = np.array([tau[k] for k, _ in stretches(same)])
+    values, times = np.unique(stood, return_counts=True)
+    levels = values[times > 1]
+    return float(np.median(np.diff(levels))) if len(levels) > 2 else 0.0
+
+
+def _jump(tau: Array, first: int, end: int) -> float:
+    """By how much the torque moves where it leaves the value of samples first … end - 1, at the
+    most: of a coarse channel that merely dwelt there no more than one step."""
+    beside = tau[[max(first - 1, 0), min(end, len(tau) - 1)]]
+    return float(np.abs(beside - tau[first]).max())

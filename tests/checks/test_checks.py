@@ -8,6 +8,7 @@ import pytest
 from pa10d.checks import beyond_limits, check_recording, estimate_delay
 from pa10d.checks.delay import check_delay
 from pa10d.dynamics import inverse_dynamics, robot_from_profile
+from pa10d.measurement.clipped import stretches
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.sampling import analyse
 from pa10d.profile import load_profile
@@ -212,6 +213,22 @@ def test_a_coarse_sensor_is_not_clipped(robot):
     step = robot.effort / 1000
     recording = _but(_sound(robot), tau=lambda tau: np.round(tau / step) * step)
     assert "clipped" not in _codes(check_recording(recording, None, robot, delay=False))
+
+
+def test_a_coarse_sensor_that_dwells_is_not_frozen(robot):
+    """A slow torque stays at one of twenty levels for a quarter of a second. A lost sensor does
+    not go on from there by one step."""
+    sound = _sound(robot)
+    step = 0.1 * np.abs(sound.tau).max(axis=0)
+    coarse = np.round(sound.tau / step) * step
+    same = np.diff(coarse, axis=0) == 0
+    assert max(n for j in range(7) for _, n in stretches(same[:, j])) > 0.25 * RATE
+    found = check_recording(_but(sound, tau=lambda _: coarse), None, robot, delay=False)
+    assert "frozen" not in _codes(found)
+    held = coarse.copy()
+    held[4000:4800, 1] = held[4000, 1]
+    found = check_recording(_but(sound, tau=lambda _: held), None, robot, delay=False)
+    assert "frozen" in _codes(found, 2)
 
 
 def test_standing_still_is_neither_frozen_nor_clipped(robot):
