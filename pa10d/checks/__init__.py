@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pa10d.checks.angles import Known, check_angles
-from pa10d.checks.channels import check_channels
+from pa10d.checks.channels import check_channels, check_limits
 from pa10d.checks.commanded import check_commanded
 from pa10d.checks.counters import check_counters, wraps_in
 from pa10d.checks.delay import Delay, check_delay, estimate_delay
@@ -74,6 +74,8 @@ def check_recording(
         sound = not any(f.severity == "error" and f.code not in OF_ONE_TORQUE for f in findings)
         if sound:
             findings += check_speeds(recording, robot)
+            with one_thread():
+                findings += check_limits(recording, robot)
         if delay and sound:
             with one_thread():
                 findings += check_delay(recording, robot)

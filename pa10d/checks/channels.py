@@ -13,6 +13,7 @@ from pa10d.dynamics import Robot
 from pa10d.measurement.clipped import is_moving, limits, stretches
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.standstill import NEVER_MOVES
+from pa10d.regression.noisy_limits import noisy_limits
 
 Array = NDArray[np.float64]
 
@@ -75,18 +76,40 @@ def _motion(
         )
 
 
+def check_limits(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
+    """Limits that noise hides: by what the motion asks for."""
+    for limit in noisy_limits(recording, robot):
+        j, unit = limit.joint, robot.torque_unit(limit.joint)
+        label, share = joint_label(j, robot.joint_names), float(limit.at.mean())
+        bound = "no higher" if limit.largest else "no lower"
+        yield _cut_off(
+            f"{label}: the torque comes to {bound} than {limit.level:.4g} {unit}, again and again, "
+            f"where the motion asks for more, in {percent(share)} of the samples: it is clipped",
+            share,
+            j,
+        )
+
+
 def _clipped(q: Array, tau: Array, label: str, j: int, unit: str) -> Iterator[CheckFinding]:
     for limit in limits(q, tau):
-        share = float(limit.at.mean())
-        yield CheckFinding(
-            "error" if share > MOSTLY else "warning",
-            "clipped",
-            f"{label}: the torque stands at its {'largest' if limit.largest else 'smallest'} value "
-            f"{limit.level:.4g} {unit} in {percent(share)} of the samples: it is clipped",
-            "widen the sensor's range or move less hard; no fit and no judgement of this joint "
-            "uses these samples",
-            j + 1,
+        share, end = float(limit.at.mean()), "largest" if limit.largest else "smallest"
+        yield _cut_off(
+            f"{label}: the torque stands at its {end} value {limit.level:.4g} {unit} in "
+            f"{percent(share)} of the samples: it is clipped",
+            share,
+            j,
         )
+
+
+def _cut_off(sentence: str, share: float, j: int) -> CheckFinding:
+    return CheckFinding(
+        "error" if share > MOSTLY else "warning",
+        "clipped",
+        sentence,
+        "widen the sensor's range or move less hard; no fit and no judgement of this joint uses "
+        "these samples",
+        j + 1,
+    )
 
 
 def _dull(

@@ -15,6 +15,7 @@ from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import through_channel
 from pa10d.model import TorqueModel
 from pa10d.regression.equation import RunEquation, prepare
+from pa10d.regression.noisy_limits import with_limits
 from pa10d.regression.rests import FEWEST_MOVING
 from pa10d.regression.winding import seen_by
 
@@ -88,8 +89,9 @@ def run_residual(model: TorqueModel, recording: Recording) -> RunResidual:
             f"run {recording.name!r} has {recording.joints} joints, "
             f"expected {model.robot.n} as in model {model.name!r}"
         )
+    run = with_limits(recording, model.robot)
     equation = prepare(
-        recording, model.robot, model.cutoff, model.shift, channel=model.channel, stands=False
+        run, model.robot, model.cutoff, model.shift, channel=model.channel, stands=False
     )
     return residual_of(model, equation)
 

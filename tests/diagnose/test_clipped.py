@@ -6,12 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from two_links import COULOMB, CUTOFF, recordings, robot, textbook
+from two_links import COULOMB, CUTOFF, motion, recordings, robot, textbook
 
+from pa10d.checks import check_recording
 from pa10d.diagnose.procedure import diagnose
 from pa10d.judgement import judge
 from pa10d.measurement.clipped import clipped
+from pa10d.measurement.recording import Recording
 from pa10d.regression.equation import prepare
+from pa10d.regression.noisy_limits import noisy_limits, with_limits
 
 TOP = 22.0  # N·m of joint 1, of which the motion asks 29 to 40
 NOISE = 0.05 * np.sqrt(CUTOFF / 100.0)  # N·m RMS within the band
@@ -72,3 +75,46 @@ def test_a_part_of_a_run_knows_what_the_whole_shows():
     few = run.part(begins - 100, begins + 3, "")  # too few for a limit by themselves
     assert not clipped(few.q, few.tau).any()
     assert few.clipped[-3:, 0].all()
+
+
+def noisily_cut(run, noise, seed, top=TOP):
+    """The same limit before the noise of the sensor: no value comes twice."""
+    rng = np.random.default_rng(seed)
+    tau = cut(run, top).tau + noise * rng.standard_normal(run.tau.shape)
+    return replace(run, tau=tau)
+
+
+def test_a_limit_that_noise_hides_is_seen_by_what_the_motion_asks_for():
+    """Clipped before its noise the torque was told as a spring and a gain that only some runs
+    have."""
+    exact = recordings(noise=0.0)["fit_a"]
+    run = noisily_cut(exact, 0.05, 1)
+    assert not run.clipped.any()
+    at = with_limits(run, robot()).clipped
+    true = np.abs(exact.tau[:, 0]) > TOP
+    assert at[true, 0].mean() > 0.97
+    assert at[~true, 0].mean() < 0.05
+    assert not at[:, 1].any()
+    said = [f for f in check_recording(run, None, robot()) if f.code == "clipped"]
+    assert {(f.joint, f.severity) for f in said} == {(1, "warning")}
+    assert "the motion asks for more" in said[0].sentence
+
+
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(s, marks=pytest.mark.long) for s in range(1, 9))]
+)
+def test_what_is_merely_flat_is_no_limit(seed):
+    """Friction that is all of a torque stands at the same two values, and sines come to their tops
+    again; so does a model that lacks something there."""
+
+    def rubbing(t, q, dq, ddq):
+        more = np.column_stack([3.0 * np.abs(q[:, 0]) * np.tanh(dq[:, 0] / 0.01), 0.0 * t])
+        return more
+
+    t, q, dq, _ = motion(seed)
+    twice = np.sin(2.0 * np.pi * 0.2 * t)
+    only = np.column_stack([2.0 * np.sign(dq[:, 0]), 5.0 * twice])
+    only += 0.02 * np.random.default_rng(seed).standard_normal(only.shape)
+    assert not noisy_limits(Recording("flat", t, q, only), robot())
+    for run in recordings(seed, rubbing).values():
+        assert not noisy_limits(run, robot())

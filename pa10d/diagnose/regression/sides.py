@@ -21,6 +21,7 @@ from pa10d.measurement.recording import Recording
 from pa10d.measurement.standstill import NEVER_MOVES, REACH
 from pa10d.model import TorqueModel
 from pa10d.regression.equation import RunEquation, edge_time, prepare
+from pa10d.regression.noisy_limits import with_limits
 from pa10d.regression.per_joint import Mask
 
 Array = NDArray[np.float64]
@@ -223,6 +224,5 @@ def equation(model: TorqueModel, recording: Recording) -> RunEquation:
             f"{recording.name}: {recording.joints} joints, expected {model.robot.n} as in model "
             f"{model.name}"
         )
-    return prepare(
-        recording, model.robot, model.cutoff, model.shift, channel=model.channel, stands=False
-    )
+    run = with_limits(recording, model.robot)
+    return prepare(run, model.robot, model.cutoff, model.shift, channel=model.channel, stands=False)

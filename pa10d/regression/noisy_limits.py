@@ -1,0 +1,178 @@
+"""Where a torque stands at a limit that noise hides: only the motion tells that it does.
+
+A limit before the noise shows no value twice, and a smooth peak, or dry friction alone, is as flat
+for a while. But the motion would ask for more, and for different amounts at different times, where
+the torque comes to the same top again and again. So each joint's textbook equation is fitted
+without the samples near its top, and foretells those.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+import scipy.ndimage
+from numpy.typing import NDArray
+
+from pa10d.dynamics import Robot
+from pa10d.effects.base import smooth_sign
+from pa10d.measurement.clipped import FEWEST, stretches
+from pa10d.measurement.recording import Recording
+from pa10d.regression.equation import RunEquation, prepare
+from pa10d.regression.layout import textbook
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+MEAN_OVER = 0.02  # s, and at least FEWEST_MEANT samples: noise is less in a mean over them
+FEWEST_MEANT = 5
+BAND = 8.0  # standard errors of such a mean, between the highest and the lowest at a limit
+NARROW = 0.05  # of the torque's range: in a wider band noise is all there is
+LOWEST = 3.0  # standard errors of one sample
+SEPARATE = 3  # times that the same top is come to
+BEYOND = 4.0  # standard errors that a motion asks for more, in most of the samples there
+ASKED = 10.0  # bands by which what is asked for differs from time to time
+CUTOFF = 10.0  # Hz, of the equations
+SHARE = 0.05  # of the sampling rate, where that is less
+SLOWEST_SIGN = 0.01  # rad/s
+PER_UNKNOWN = 3.0  # samples of the fit
+MOST = 900_000  # samples: half an hour at 500 Hz; of longer runs this is not asked
+
+
+@dataclass(frozen=True, eq=False)
+class NoisyLimit:
+    """joint: from 0; level: N·m (N); largest: the upper end; at (N,): samples there."""
+
+    joint: int
+    level: float
+    largest: bool
+    at: Flags
+
+
+def with_limits(recording: Recording, robot: Robot) -> Recording:
+    """The recording, which knows where torques stand at limits that noise hides."""
+    found = noisy_limits(recording, robot)
+    if not found:
+        return recording
+    limited = recording.clipped.copy()
+    for one in found:
+        limited[:, one.joint] |= one.at
+    seen = replace(recording, limited=limited)
+    vars(seen)[_KEPT] = (robot, ())
+    return seen
+
+
+def noisy_limits(recording: Recording, robot: Robot) -> tuple[NoisyLimit, ...]:
+    """Of a run that is in memory; looked for once per recording and robot."""
+    if type(recording) is not Recording or len(recording.t) > MOST or recording.joints != robot.n:
+        return ()  # on disk, long, or of another arm
+    known = vars(recording).get(_KEPT)
+    if known is None or known[0] is not robot:
+        known = vars(recording)[_KEPT] = (robot, tuple(_found(recording, robot)))
+    return cast(tuple[NoisyLimit, ...], known[1])
+
+
+_KEPT = "_noisy_limits"
+
+
+def _found(recording: Recording, robot: Robot) -> Iterator[NoisyLimit]:
+    shown = recording.clipped
+    tops = {
+        (j, side): top
+        for j in range(recording.joints)
+        for side in (1.0, -1.0)
+        if (top := _top(side * recording.tau[:, j], recording.rate)) is not None
+        and not (top.at & shown[:, j]).any()
+    }
+    if not tops:
+        return
+    near = shown.copy()
+    for (j, _), top in tops.items():
+        near[:, j] |= top.at
+    cutoff = min(CUTOFF, SHARE * recording.rate)
+    apart, plain = (
+        prepare(replace(recording, limited=one), robot, cutoff, stands=stands)
+        for one, stands in ((near, False), (np.zeros_like(near), True))
+    )
+    layout = textbook(robot)
+    rows = [run.rigid_rows(layout.base.kept, layout.seen) for run in (apart, plain)]
+    for (j, side), top in tops.items():
+        asked = _asked(j, side, (apart, plain), (rows[0][j], rows[1][j]))
+        if asked is not None and _is_limit(top, *asked, apart.lowpass.factor):
+            at = top.at | (side * recording.tau[:, j] > top.lowest)
+            yield NoisyLimit(j, side * top.level, side > 0, at)
+
+
+@dataclass(frozen=True)
+class _Top:
+    """at: (N,) where a torque is at the top of what it comes to; level: N·m there; band: N·m within
+    which noise leaves a mean there; lowest: N·m that noise leaves a sample there."""
+
+    at: Flags
+    level: float
+    band: float
+    lowest: float
+
+
+def _top(values: Array, rate: float) -> _Top | None:
+    """Of a torque (N,); None where it is no candidate for a limit."""
+    over = max(FEWEST_MEANT, int(MEAN_OVER * rate))
+    if len(values) < 10 * over:
+        return None
+    noise = 1.4826 * float(np.median(np.abs(np.diff(values, 2)))) / np.sqrt(6.0)
+    mean = scipy.ndimage.uniform_filter1d(values, over, mode="nearest")
+    band = BAND * noise / np.sqrt(over)
+    if not 0.0 < band < NARROW * float(np.ptp(mean)):
+        return None
+    at = mean >= mean.max() - band
+    long = [(k, n) for k, n in stretches(at) if n >= over]
+    if len(long) < SEPARATE or sum(n for _, n in long) < FEWEST * over:
+        return None
+    out = np.zeros(len(values), dtype=bool)
+    for k, n in long:
+        out[max(0, k - over) : k + n + over] = True
+    level = float(values[at].mean())
+    return _Top(out, level, band, level - LOWEST * noise)
+
+
+def _asked(
+    j: int, side: float, runs: tuple[RunEquation, RunEquation], rigid: tuple[Array, Array]
+) -> tuple[Array, Array] | None:
+    """(M,) N·m that the motion asks for beyond what joint j shows, and its standard errors."""
+    apart, plain = runs
+    fitted, foretold = (
+        np.column_stack([rows, run.filtered(_friction(run, j), j)])
+        for run, rows in zip(runs, rigid, strict=True)
+    )
+    keep = apart.keep[:, j]
+    if keep.sum() < PER_UNKNOWN * fitted.shape[1]:
+        return None
+    scale = np.linalg.norm(fitted[keep], axis=0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    u, s, v = np.linalg.svd(fitted[keep] / scale, full_matrices=False)
+    sure = s > 1e-6 * s[0]
+    beta = v[sure].T @ ((u[:, sure].T @ apart.driven[keep, j]) / s[sure])
+    left = apart.driven[keep, j] - fitted[keep] / scale @ beta
+    per = 2.0 * apart.lowpass.cutoff / apart.rate  # independent samples of one
+    unit = float(left @ left) / max(1.0, len(left) - sure.sum() / per)
+    far = ((foretold / scale) @ v[sure].T / s[sure]) ** 2
+    error = np.sqrt(unit * (1.0 + far.sum(axis=1) / per))
+    return side * (foretold / scale @ beta - plain.tau[:, j]), error
+
+
+def _friction(run: RunEquation, j: int) -> Array:
+    """(N, 4) columns of a joint's rotor, its friction and an offset."""
+    dq, ddq = run.context.dq[:, j], run.context.ddq[:, j]
+    return np.column_stack([ddq, smooth_sign(dq, SLOWEST_SIGN), dq, np.ones_like(dq)])
+
+
+def _is_limit(top: _Top, asked: Array, error: Array, factor: int) -> bool:
+    """Does the motion ask for more, and for different amounts, where the torque is at its top?"""
+    inner = [(k, n) for k, n in stretches(top.at[::factor][: len(asked)])]
+    if len(inner) < SEPARATE:
+        return False
+    beyond = np.concatenate([(asked / error)[k : k + n] for k, n in inner])
+    most = np.array([asked[k : k + n].max() for k, n in inner])
+    return bool(np.mean(beyond > BEYOND) > 0.5 and np.ptp(most) > ASKED * top.band)
