@@ -12,7 +12,9 @@ from pathlib import Path
 from fastapi import Request
 
 from pa10d.api.problems import Problem
+from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon
+from pa10d.store.entries import own_folder, refuse_links
 
 FOLDER = "uploads"  # within the data folder
 PIECE = 1 << 20  # bytes that are written in one go
@@ -41,7 +43,13 @@ async def new_place(daemon: Daemon) -> tempfile.TemporaryDirectory[str]:
 
 def clear(data: Path) -> None:
     """Nothing is left of what was sent to a daemon that was killed."""
-    for place in (data / FOLDER).glob("*"):
+    with contextlib.suppress(UserError):
+        refuse_links(data / FOLDER, "folder")
+        _empty(data / FOLDER)
+
+
+def _empty(folder: Path) -> None:
+    for place in folder.glob("*"):
         shutil.rmtree(place, ignore_errors=True)
 
 
@@ -67,5 +75,4 @@ def plain_name(filename: str) -> str:
 
 
 def _make_place(folder: Path) -> tempfile.TemporaryDirectory[str]:
-    folder.mkdir(exist_ok=True)
-    return tempfile.TemporaryDirectory(dir=folder, ignore_cleanup_errors=True)
+    return tempfile.TemporaryDirectory(dir=own_folder(folder), ignore_cleanup_errors=True)

@@ -50,7 +50,7 @@ def drawn_before(data: Path) -> Drawn | None:
         return None
     try:
         kept = Drawn(**json.loads(read_entry(place, LARGEST)))
-    except (ValueError, TypeError) as error:
+    except (ValueError, TypeError, RecursionError) as error:
         raise _damaged(place) from error
     whole = isinstance(kept.seed, int) and kept.day in (1, 2) and isinstance(kept.revealed, bool)
     if not whole or not isinstance(kept.profile, str) or not isinstance(kept.hide, str):

@@ -11,9 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pa10d.common.disk import disk_words, writing
+from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
+from pa10d.store.entries import read_entry
 
-FILE = "daemon.json"
+FILE, LARGEST = "daemon.json", 1 << 16  # bytes
 
 log = logging.getLogger("pa10d")
 
@@ -50,7 +52,8 @@ def _put(path: Path, text: bytes) -> None:
     fresh = path.with_name(f".{FILE}.{os.getpid()}")
     try:
         with writing(path):
-            _write(fresh, text, os.O_CREAT)
+            fresh.unlink(missing_ok=True)
+            _write(fresh, text, os.O_CREAT | os.O_EXCL)
         fresh.replace(path)
     except OSError:
         fresh.unlink(missing_ok=True)
@@ -72,9 +75,9 @@ def _write(path: Path, text: bytes, how: int) -> None:
 def present(data: Path) -> Presence | None:
     """The daemon on this data, if its process is alive."""
     try:
-        document: JsonObject = json.loads((data / FILE).read_text())
+        document: JsonObject = json.loads(read_entry(data / FILE, LARGEST))
         presence = Presence(**document)
         os.kill(presence.pid, 0)
-    except (OSError, ValueError, TypeError):
+    except (UserError, OSError, ValueError, TypeError, OverflowError, RecursionError):
         return None
     return presence

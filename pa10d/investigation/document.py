@@ -9,6 +9,7 @@ from pa10d.investigation.archive import REPORT
 from pa10d.investigation.doubts import FOLDER
 from pa10d.investigation.results import NamedEffect, Way
 from pa10d.investigation.state import Investigation, Step
+from pa10d.store.entries import is_own_file
 from pa10d.store.location import data_folder
 
 DIAGNOSED = (
@@ -60,7 +61,7 @@ def document(state: Investigation, data: str) -> JsonObject:
         "judged": judged[-1].result if judged else None,
         "doubts": [_doubt(one, one.settling, place) for one in state.findings if one.settling],
         "left_out": [s.said for s in state.steps if s.status == "left_out" and s.kind == "motion"],
-        "report": str(report) if state.done("report") and report.is_file() else None,
+        "report": str(report) if state.done("report") and is_own_file(report) else None,
     }
 
 

@@ -17,6 +17,7 @@ from pa10d.investigation.results import NamedEffect, Way
 from pa10d.investigation.words import doubt_words
 from pa10d.services.robots import load_robot
 from pa10d.services.starting_set import SuggestedMotion
+from pa10d.store.entries import own_folder
 from pa10d.store.folders import write_text
 
 RATE = 100.0  # Hz of the motion's file
@@ -29,8 +30,7 @@ def write_doubts(profile: str, findings: Sequence[NamedEffect], place: Path) -> 
     robot = load_robot(profile)[1]
     folder, shown = place / FOLDER, []
     ways: list[Way | None] = []
-    folder.mkdir(exist_ok=True)
-    for old in folder.glob("*.*"):
+    for old in own_folder(folder).glob("*.*"):
         old.unlink()
     for number, finding in enumerate(findings, 1):
         plan = finding.next_experiment

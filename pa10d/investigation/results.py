@@ -12,6 +12,7 @@ from typing import Literal
 
 from pa10d.common.jsonable import JsonObject
 from pa10d.diagnose.outcome.settling import NextExperiment
+from pa10d.store.entries import Id
 
 PerJoint = list[float]
 Known = list[float | None]
@@ -59,8 +60,8 @@ class Way:
     seconds: float
     says: str
     problem: str
-    plan: str
-    motion: str | None
+    plan: Id
+    motion: Id | None
 
 
 @dataclass(frozen=True)

@@ -34,6 +34,7 @@ from pa10d.services.history import history
 from pa10d.services.library import Library, open_library
 from pa10d.services.models import compare_runs, identify_runs
 from pa10d.services.sheets import write_diagnosis_sheet
+from pa10d.store.entries import own_folder
 from pa10d.store.folders import write_text
 from pa10d.store.model_parse import read_model
 from pa10d.store.model_text import model_text
@@ -166,8 +167,7 @@ WORK: Mapping[str, Callable[[Library, Path, Investigation, Step, Progress], Step
 
 def _keep_versions(found: Diagnosis, folder: Path) -> None:
     """What the search judged, as model files, until it is added."""
-    folder.mkdir(exist_ok=True)
-    for old in folder.glob("*.yaml"):
+    for old in own_folder(folder).glob("*.yaml"):
         old.unlink()
     for number, version in enumerate(found.stored, 1):
         write_text(folder / f"{number}.yaml", model_text(version, new_info(version, None)))

@@ -50,6 +50,7 @@ from pa10d.experiments.seen import Seen
 from pa10d.profile import Profile
 from pa10d.services.library import Library, open_library
 from pa10d.services.robots import load_robot
+from pa10d.store.entries import read_entry
 from pa10d.store.folders import write_json
 from pa10d.store.location import data_folder
 from pa10d.trajectory.kinds import read_request
@@ -60,6 +61,7 @@ from pa10d.trajectory.poses import Surroundings
 Array = NDArray[np.float64]
 Data = str | os.PathLike[str] | None
 
+LARGEST = 4 << 20  # bytes of what is kept of an arm's joints
 FASTER = (125.0, 200.0, 250.0, 333.0, 400.0, 500.0, 1000.0)  # Hz that are offered
 SOFTEST = 0.01  # of the inertia that is known, that a swing may be explained by
 EXPLAINS = 0.3  # of what pressed on a joint that fell behind: weight that was lacking on its way
@@ -78,10 +80,10 @@ def kept_joints(data: Data, profile: Profile) -> MeasuredJoints | None:
     It holds for this arm only: see ``fingerprint``.
     """
     try:
-        found = json.loads(_place(data, profile).read_text(encoding="utf-8"))
+        found = json.loads(read_entry(_place(data, profile), LARGEST))
         kept = MeasuredJoints.from_document(found)
         return kept if kept.fingerprint == fingerprint(profile) else None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (UserError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
 
 

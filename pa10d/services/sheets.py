@@ -11,6 +11,8 @@ from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.services.diagnoses import asked_of
 from pa10d.services.library import Library
 from pa10d.services.models import Compared
+from pa10d.store.entries import own_folder
+from pa10d.store.folders import write_text
 
 if TYPE_CHECKING:
     from pa10d.report.sheet import Sheet
@@ -40,9 +42,9 @@ def write_diagnosis_sheet(
 
 
 def _write(folder: Path, parts: Mapping[str, Sheet]) -> None:
-    folder.mkdir(exist_ok=True)
+    own_folder(folder)
     for name, part in parts.items():
         text = json.dumps(
             part.document(), ensure_ascii=False, allow_nan=False, separators=(",", ":")
         )
-        (folder / f"{name}.json").write_text(text, encoding="utf-8")
+        write_text(folder / f"{name}.json", text)

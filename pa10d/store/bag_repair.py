@@ -13,6 +13,7 @@ from pa10d.common.errors import UserError
 from pa10d.store import mcap_records as mcap
 from pa10d.store.bag_scan import Record, chunk, records
 from pa10d.store.bag_writer import message_index
+from pa10d.store.entries import new_file
 
 END = "pa10d.end"  # the metadata record by which a writer says how its run ended
 CUT = ".cut"  # ending of the file that keeps what was cut off
@@ -64,8 +65,9 @@ def finish_bag(path: Path) -> Repair:
     with path.open("r+b") as file:
         if size > keep:
             file.seek(keep)
-            with contextlib.suppress(OSError):  # a full disk: what was torn has no room
-                path.with_suffix(CUT).write_bytes(file.read())
+            cut = path.with_suffix(CUT)
+            with contextlib.suppress(OSError), new_file(cut) as kept:  # a full disk has no room
+                kept.write(file.read())
         file.truncate(keep)
         file.seek(keep)
         missing = b"".join(reversed(pending))

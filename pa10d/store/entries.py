@@ -1,16 +1,17 @@
 """What lies in the data folder is input: anybody may have put it there, or damaged it.
 
 An entry is a plain file or folder of its own. A link could lead out of the data folder, a pipe
-would be waited for without end: neither is opened.
+would be waited for without end: neither is opened, written through or cleared.
 """
 
 from __future__ import annotations
 
+import contextlib
 import os
 import stat
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, BinaryIO
 
 from pydantic import AfterValidator, Field
 
@@ -31,15 +32,25 @@ class SetAside:
     path: Path
     reason: str  # one line
 
+    def __post_init__(self) -> None:
+        for field in ("id", "name", "reason"):
+            object.__setattr__(self, field, _as_text(getattr(self, field)))
+
     @property
     def place(self) -> str:
         """Where it lies in the data folder."""
-        return str(self.path.relative_to(self.path.parents[1]))
+        return _as_text(str(self.path.relative_to(self.path.parents[1])))
 
     def document(self) -> dict[str, str]:
         """As JSON knows it; to readers elsewhere the data folder's own path says nothing."""
-        reason = self.reason.replace(f"{self.path.parents[1]}/", "")
+        reason = self.reason.replace(_as_text(f"{self.path.parents[1]}/"), "")
         return {"id": self.id, "name": self.name, "place": self.place, "reason": reason}
+
+
+def _as_text(name: str) -> str:
+    """What a file is called, also where its bytes are no text: neither JSON nor a terminal takes
+    the marks that Python has for those."""
+    return os.fsencode(name).decode("utf-8", "backslashreplace")
 
 
 def _named(value: str) -> str:
@@ -62,6 +73,32 @@ def refuse_links(path: Path, kind: str) -> None:
     if not (stat.S_ISDIR if kind == "folder" else stat.S_ISREG)(mode):
         found = "a link" if stat.S_ISLNK(mode) else f"no {kind}"
         raise UserError(f"{path}: found {found}, expected a {kind} of its own")
+
+
+def own_folder(path: Path) -> Path:
+    """The folder, made where there is none; UserError where something else is in its place. What is
+    written or cleared in there stays in the data folder."""
+    with contextlib.suppress(FileExistsError):
+        path.mkdir()
+    refuse_links(path, "folder")
+    return path
+
+
+def new_file(path: Path) -> BinaryIO:
+    """A file of its own, to be written, in place of whatever is called so: of a link the link goes,
+    and what it leads to stays."""
+    path.unlink(missing_ok=True)
+    return path.open("xb")
+
+
+def is_own_file(path: Path) -> bool:
+    """Whether it can be shown to others: a plain file, in a folder that is no link either."""
+    try:
+        refuse_links(path.parent, "folder")
+        refuse_links(path, "file")
+    except UserError:
+        return False
+    return True
 
 
 def read_entry(path: Path, most: int) -> bytes:

@@ -14,6 +14,7 @@ from typing import Any
 from pa10d.common.disk import writing
 from pa10d.common.errors import Busy, UserError
 from pa10d.common.locked_file import lock_at_once
+from pa10d.store.entries import new_file, own_folder
 
 NEW, TRASH = ".new-", ".trash-"
 PATIENCE = 5.0  # s for which the lock is waited for; it is held for milliseconds as a rule
@@ -71,8 +72,8 @@ def write_text(path: Path, text: str) -> None:
     """Replace the file's content in one step; the old content survives any failure."""
     fresh = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        with writing(path), fresh.open("w", encoding="utf-8") as file:
-            file.write(text)
+        with writing(path), new_file(fresh) as file:
+            file.write(text.encode())
             file.flush()
             os.fsync(file.fileno())
         fresh.replace(path)
@@ -82,7 +83,7 @@ def write_text(path: Path, text: str) -> None:
 
 def write_into(entry: Path, name: str, text: str) -> None:
     """A file of an entry, in one step; a folder that there was none of comes with it or not."""
-    entry.mkdir(exist_ok=True)
+    own_folder(entry)
     try:
         write_text(entry / name, text)
     except BaseException:
@@ -103,7 +104,7 @@ def sweep(parent: Path, held_file: str) -> None:
     for folder in parent.glob(f"{TRASH}*"):
         shutil.rmtree(folder, ignore_errors=True)
     for folder in parent.glob(f"{NEW}*"):
-        with contextlib.suppress(FileNotFoundError):
-            old = time.time() - folder.stat().st_mtime > _SETTLE
+        with contextlib.suppress(OSError):
+            old = time.time() - folder.lstat().st_mtime > _SETTLE
             if old and not is_held(folder / held_file):
                 shutil.rmtree(folder, ignore_errors=True)

@@ -20,6 +20,7 @@ from pa10d.api.schemas.sheets import Sheet
 from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.jobs.jobs import Job as DaemonJob
+from pa10d.store.entries import is_own_file
 
 router = APIRouter(tags=["analyses"])
 Limit = Annotated[int, Query(ge=1, le=500)]
@@ -105,6 +106,6 @@ def _one(daemon: Daemon, kind: str, number: str) -> DaemonJob:
 
 async def _sheet(daemon: Daemon, kind: str, number: str, part: str) -> FileResponse:
     path = daemon.jobs.folder_of(_one(daemon, kind, number)) / f"{part}.json"
-    if not await daemon.shelf(path.is_file):
+    if not await daemon.shelf(is_own_file, path):
         raise Problem("not-found", f"{kind} job {number}: it has no {part}; is it done?")
     return FileResponse(path, media_type="application/json")

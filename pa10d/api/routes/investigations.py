@@ -32,6 +32,7 @@ from pa10d.investigation.document import brief, document
 from pa10d.investigation.doubts import FOLDER
 from pa10d.investigation.motions import kept_previews
 from pa10d.investigation.state import Investigation
+from pa10d.store.entries import is_own_file
 
 router = APIRouter(prefix="/investigations", tags=["investigations"])
 Number = Annotated[int, Path(ge=1, le=100)]
@@ -138,7 +139,7 @@ async def investigation_report(daemon: TheDaemon, investigation: str) -> FileRes
     """Its report: one HTML file that opens without a network."""
     state = await _find(daemon, investigation)
     path = daemon.investigations.place(state.id) / REPORT
-    if not await daemon.shelf(path.is_file):
+    if not await daemon.shelf(is_own_file, path):
         raise Problem("not-found", f"{state.name} has no report yet; it is {state.status}")
     return report_file(path)
 
@@ -157,7 +158,7 @@ async def doubt_file(
     way = known[0].settling if known else None
     name = None if way is None else {"yaml": way.plan, "csv": way.motion}.get(ending)
     path = daemon.investigations.place(state.id) / FOLDER / str(name)
-    if name is None or not await daemon.shelf(path.is_file):
+    if name is None or not await daemon.shelf(is_own_file, path):
         raise Problem("not-found", f"{state.name}: finding {number} has no such file")
     return FileResponse(path, filename=f"{state.name}-{name}")
 

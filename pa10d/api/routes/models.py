@@ -30,7 +30,7 @@ from pa10d.effects.smooth_map import SmoothMap
 from pa10d.export.endings import ENDINGS, FOLDERS, Format
 from pa10d.identify import FitOptions
 from pa10d.regression.layout import told_place
-from pa10d.store.entries import SetAside
+from pa10d.store.entries import SetAside, is_own_file
 from pa10d.store.models import ModelInfo
 
 router = APIRouter(tags=["models"])
@@ -221,7 +221,7 @@ async def show_report(daemon: TheDaemon, job: str) -> FileResponse:
     if found is None or found.kind != "report":
         raise Problem("not-found", f"no report job {job[:60]!r}")
     path = daemon.jobs.folder_of(found) / "report.html"
-    if not await daemon.shelf(path.is_file):
+    if not await daemon.shelf(is_own_file, path):
         raise Problem("not-found", f"report job {job}: it is {found.status}")
     return report_file(path)
 

@@ -22,7 +22,7 @@ from pa10d.common.jsonable import JsonObject, plain
 from pa10d.common.shortage import shortage
 from pa10d.daemon.events import Events
 from pa10d.daemon.processes.crowded import Crowded
-from pa10d.store.entries import Id, read_entry
+from pa10d.store.entries import Id, own_folder, read_entry
 from pa10d.store.folders import write_json
 from pa10d.store.names import new_id
 
@@ -107,7 +107,7 @@ class Jobs:
 
     def __init__(self, folder: Path, events: Events) -> None:
         self._folder, self._events = folder, events
-        folder.mkdir(exist_ok=True)
+        own_folder(folder)
         self._jobs: dict[str, Job] = {}
         self._ending = False
         for path in sorted(folder.glob("[!.]*.json"))[-KEPT:]:

@@ -13,10 +13,12 @@ from threading import Lock, Thread
 import numpy as np
 
 from pa10d.common.disk import writing
+from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.control.faults import Fault
 from pa10d.control.record import SCALARS, VECTORS
 from pa10d.control.ring import Ring
+from pa10d.store.entries import own_folder
 from pa10d.store.names import stamp_after
 
 SECONDS = 5.0
@@ -46,11 +48,13 @@ def keep_fault(data: Path, fault: Fault, ring: Ring, joints: Sequence[str]) -> T
 def _write(folder: Path, kind: str, about: str, fields: JsonObject) -> None:
     try:
         with _ONE_AT_A_TIME:
-            folder.mkdir(exist_ok=True)
+            own_folder(folder)
             path = folder / f"{stamp_after(os.listdir(folder))}-{_plain(kind)}.npz"
             _save(path, about, fields)
         for old in sorted(folder.glob("*.npz"))[:-KEPT]:
             old.unlink(missing_ok=True)
+    except UserError as error:
+        log.warning("%s; the fault's records were not kept", error)
     except OSError as error:
         log.warning("%s: %s; the fault's records were not kept", folder, error.strerror)
 

@@ -21,8 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.disk import disk_words
+from pa10d.common.errors import UserError
 from pa10d.common.shortage import ready_pool
 from pa10d.profile import Profile
+from pa10d.store.entries import new_file, read_entry
 
 Array = NDArray[np.float64]
 
@@ -87,10 +89,8 @@ class StoodAt:
         """What is damaged, or of other drives, is not known."""
         if self._path is None:
             return None
-        with contextlib.suppress(OSError, ValueError, TypeError, KeyError, RecursionError):
-            if not self._path.is_file() or self._path.stat().st_size > LARGEST:
-                return None
-            kept = json.loads(self._path.read_text(encoding="utf-8"))
+        with contextlib.suppress(UserError, ValueError, TypeError, KeyError, RecursionError):
+            kept = json.loads(read_entry(self._path, LARGEST))
             values = [float(value) for value in kept["stood"]]
             of_these = kept["drives"] == self._drives and len(values) == self._n
             if of_these and all(map(math.isfinite, values)):
@@ -101,7 +101,8 @@ class StoodAt:
         assert self._path is not None
         draft = self._path.with_name(f".{NAME}")
         try:
-            draft.write_text(json.dumps({"drives": self._drives, "stood": stood}), encoding="utf-8")
+            with new_file(draft) as file:
+                file.write(json.dumps({"drives": self._drives, "stood": stood}).encode())
             os.replace(draft, self._path)
         except OSError as error:
             self._remove()  # what stands there is no longer true

@@ -11,13 +11,16 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from pa10d.common.errors import UserError
 from pa10d.profile.load import find_profile, profile_folders
 from pa10d.services.profile_file import put_profile
+from pa10d.store.entries import read_entry
 from pa10d.store.folders import write_json
 from pa10d.store.location import data_folder, data_place
 
 SCHEMA = "pa10d/profile-version/1"
 PROFILES, VERSIONS = "profiles", "versions"
+LARGEST = 64 << 20  # bytes of an edit: the text of a profile, escaped
 
 
 @dataclass(frozen=True)
@@ -45,7 +48,8 @@ class Edit:
     @staticmethod
     def unreadable(file: Path, error: Exception) -> Edit:
         """In place of one whose file is damaged."""
-        why = f"cannot be read: {file}: {error}"
+        named = isinstance(error, UserError)
+        why = f"cannot be read: {error if named else f'{file}: {error}'}"
         return Edit(int(file.stem), "", [why], "", "", undone=True)
 
 
@@ -92,11 +96,18 @@ def _kept(folder: Path) -> list[Edit]:
     found = []
     for file in sorted(folder.glob("[0-9][0-9][0-9][0-9].json")):
         try:
-            document = json.loads(file.read_text(encoding="utf-8"))
+            document = json.loads(read_entry(file, LARGEST))
             if document.pop("schema") != SCHEMA:
                 raise ValueError("another schema")
             found.append(Edit(**document))
-        except (ValueError, TypeError, KeyError, AttributeError, OSError) as error:
+        except (
+            UserError,
+            ValueError,
+            TypeError,
+            KeyError,
+            AttributeError,
+            RecursionError,
+        ) as error:
             found.append(Edit.unreadable(file, error))
     return found
 
