@@ -124,6 +124,9 @@ class OpensOneByOne(Protocol):
         which is tried. None: no brake opens alone now."""
         ...
 
+    def try_again(self) -> None:
+        """The joint that is tried falls: its brake closes at once, and opens alone once more."""
+
 
 @runtime_checkable
 class CutsPower(Protocol):

@@ -107,6 +107,10 @@ class CanopenBackend:
         under_way = self._sequence
         return under_way.out if isinstance(under_way, sequence.EnableOneByOne) else None
 
+    def try_again(self) -> None:
+        if isinstance(self._sequence, sequence.EnableOneByOne):
+            self._sequence.again()
+
     def read(self) -> Feedback:
         self._connected().beating = True  # from now on the drives watch us
         feedback = self.cycle()

@@ -132,6 +132,8 @@ class EnableOneByOne(Enable):
         self._at: Array | None = None  # rad, where each was seen out of its brake last
         self._last: tuple[float, Array] | None = None  # s and rad
         self._there_at = self._moved_at = 0.0
+        self._stopped: list[int] = []  # by their drives' own ramps, as they fell
+        self._standing = Standing(arm.n)
         self.out: tuple[int, ...] | None = None  # of their brakes; None: all come out of them
 
     @property
@@ -149,11 +151,25 @@ class EnableOneByOne(Enable):
         for axis in self._on:
             towards = TOWARDS_ENABLED.get(state) if (state := states[axis]) else None
             words[axis] = towards or Control.DISABLE_VOLTAGE
+        stands = self._standing.after(feedback.q)
+        for axis in self._stopped:
+            stops = states[axis] is DriveState.QUICK_STOP and not stands[axis]
+            if stops or states[axis] is DriveState.ENABLED:
+                words[axis] = Control.QUICK_STOP
         return words
 
+    def again(self) -> None:
+        """The joint that is tried falls: its drive stops it at once, its brake closes, and opens
+        once more."""
+        if self._tries:
+            falls = self._on[len(self._held) :]
+            self._waiting.insert(0, falls)
+            self._stopped, self._standing = falls, Standing(self.arm.n)
+            self._close()
+
     def step(self, feedback: Feedback) -> bool:
-        self._see(feedback)
         states = [state_of(int(word)) for word in feedback.status]
+        self._see(feedback, states)
         if not all(self.reached(states)):
             self._there_at = feedback.time
         elif self.out is not None and not self._rests(feedback.time):
@@ -163,22 +179,37 @@ class EnableOneByOne(Enable):
     def next_stage(self) -> bool:
         if len(self._on) == self.arm.n:
             return False
-        if len(self._on) > len(self._held):
-            self._on, self.out = list(self._held), tuple(self._held)
-        elif self._waiting:
-            self._on = [*self._held, *self._waiting.pop(0)]
+        if self._tries:
+            self._close()
+            return True
+        if self._waiting:
+            self._on, self._stopped = [*self._held, *self._waiting.pop(0)], []
             self.out = tuple(self._on)
         else:
             self._on, self.out = list(range(self.arm.n)), None
+        self._tell()
+        return True
+
+    @property
+    def _tries(self) -> bool:
+        """Whether a joint is out of its brake alone."""
+        return len(self._held) < len(self._on) < self.arm.n
+
+    def _close(self) -> None:
+        self._on, self.out = list(self._held), tuple(self._held)
+        self._tell()
+
+    def _tell(self) -> None:
         self._started = None
         self._there_at = self._last[0] if self._last is not None else 0.0
         words = [Control.SWITCH_ON] * self.arm.n
         for axis in self._on:
             words[axis] = Control.ENABLE
+        for axis in self._stopped:
+            words[axis] = Control.QUICK_STOP
         self.arm.set_words(words)
-        return True
 
-    def _see(self, feedback: Feedback) -> None:
+    def _see(self, feedback: Feedback, states: States) -> None:
         """Where all are; BackendFault where one leaves its closed brake."""
         q = feedback.q.copy()
         if self._last is not None and feedback.time > self._last[0]:
@@ -188,6 +219,8 @@ class EnableOneByOne(Enable):
         self._last = feedback.time, q
         if self._at is None:
             self._at = q.copy()
+        free = [state in (DriveState.ENABLED, DriveState.QUICK_STOP) for state in states]
+        self._at = np.where(free, q, self._at)
         self._at[self._on] = q[self._on]
         if self.out is None:
             return

@@ -21,7 +21,7 @@ from backends.protocol import Backend, CutsPower, OpensOneByOne
 from pa10d.common.errors import UserError
 from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
 from pa10d.control.carried import carried, share_of
-from pa10d.control.faults import WAY_ROUND, Fault, LoopFault, blamed_on_time, fault_from
+from pa10d.control.faults import RAN_ON, WAY_ROUND, Fault, LoopFault, blamed_on_time, fault_from
 from pa10d.control.guard import BackendBroke, asked, read
 from pa10d.control.joint_figures import ROUGH
 from pa10d.control.journal import Journal
@@ -48,11 +48,6 @@ STANDS = 0.2  # s for which the arm must stand with open brakes before it counts
 CALMS = 10.0  # s in which one that sways comes to rest, or is held as it is
 RESTS = 5.0  # s after a fall until links that swing on their gears at 2 Hz have lost 85 % of it, of
 # which no encoder in a brake knows: 3 % of critical damping. Whoever presses STOP waits for 6 s
-
-RAN_ON = (
-    "got faster as its own drive stopped it, and was left to its brake: its torque acts the wrong "
-    "way round, or its load is more than its motor holds"
-)
 
 log = logging.getLogger("pa10d.control")
 
@@ -357,7 +352,7 @@ class Arm:
             raise LoopFault("switching", f"the drives have not switched within {PATIENCE:g} s")
         if self.state == ArmState.ENABLING:
             if isinstance(self.backend, OpensOneByOne):
-                self.path.try_alone(self.backend.out_of_brakes if under_way else None)
+                self._try_alone(self.backend, under_way)
             if under_way:
                 self._open_since = self.path.time
                 self.path.still_in_brakes()
@@ -383,6 +378,12 @@ class Arm:
         else:
             self.maybe_powered = False
             self._rest_unpowered()
+
+    def _try_alone(self, backend: OpensOneByOne, under_way: bool) -> None:
+        """Of an arm whose brakes open one by one, one joint; what it tells counts from now on."""
+        if self.path.try_alone(backend.out_of_brakes if under_way else None):
+            self._told = self.path.thought - self._weight(self._stood_at)
+            asked("try_again", backend.try_again)
 
     def _take_up(self, share: float) -> None:
         """The load had turned joints in their brakes: back to where they were held, so that an arm

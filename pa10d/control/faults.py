@@ -17,6 +17,10 @@ WAY_ROUND = (
     "exchange two phases of its motor, or the drive's polarity (0x607E); 'sign' in the profile "
     "turns angle and torque together and does not mend this"
 )
+RAN_ON = (
+    "got faster as its own drive stopped it, and was left to its brake: its torque acts the wrong "
+    "way round, or its load is more than its motor holds"
+)
 REMEDIES = {
     "not_finite": "report it with the recorded run; look at gains and model first",
     "torque_state": "report it: torque was asked for in a state that allows none",

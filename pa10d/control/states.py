@@ -32,7 +32,7 @@ POWERED = frozenset(
 SWITCHING = frozenset({ArmState.ENABLING, ArmState.DISABLING, ArmState.RESETTING})
 """Passed through: they end by themselves, in another state or a fault."""
 
-EACH = 3.0  # s that enabling may take more for each brake that opens alone
+EACH = 8.0  # s that enabling may take more for each brake that opens alone
 
 REMEDIES = {
     ArmState.OFFLINE: "connect the robot: check bus and drives, then ask for 'connect'",

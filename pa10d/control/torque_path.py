@@ -20,13 +20,17 @@ from pa10d.control.places import Places
 from pa10d.control.reference import Reference
 from pa10d.control.states import ArmState
 from pa10d.control.stood import StoodWith
-from pa10d.control.torque_exit import TorqueExit
+from pa10d.control.torque_exit import STANDING, TorqueExit
+from pa10d.control.trials import TRIALS, Caught, Trials
 from pa10d.control.wrong_way import WrongWayWatch
 
 Array = NDArray[np.float64]
 
 BUMPLESS = 0.02  # of the torque limit, by which another control law may change the torque
 FIRST_SECONDS = 2.0  # s of being held in which a torque of the wrong sign would show
+BARELY = (
+    0.15  # of its speed limit, with which a brake catches it: far less than it may have (ALONE)
+)
 FELL = 0.2  # of the following error that is allowed: such a joint was not held by what was thought
 SOFT = 0.5  # of the bandwidth, for stopping an arm that swings
 CREEPS, STOOD = 0.02, 0.2  # rad/s, slower than which for so many s a joint counts as held
@@ -75,6 +79,9 @@ class TorquePath:
         self._alone: int | None = None  # the joint whose brake is open, all others being closed
         self._last_alone: int | None = None  # the last that was so
         self._free: set[int | None] | None = None  # of brakes that open one by one; None: all
+        self._again: Caught | None = None  # one that fell and whose brake closes: it is tried anew
+        self._trials = [Trials() for _ in range(n)]
+        self._borne = False  # the one that is tried, by what it was told to weigh as it fell
         self._tried_alone = False  # each, since power-up: what shakes all of them then is no fall
         self._caught: dict[int, Weighed] = {}  # a joint that fell, and is borne by that
         self.fell: dict[int, Weighed] = {}  # joints that ended a power-up, as it weighed them
@@ -137,12 +144,15 @@ class TorquePath:
             return
         self._falls.see(self.time, self.q, self.sent)
         self._swings.see(self.dq, self.reference, self.sent)  # it may come to rest yet
+        if self._again is not None:
+            self._again.watch(self.dq, self._period)
         self._watch_signs()
         try:
-            alone = self._tried_alone
+            stops = self._again is not None  # its drive's ramp takes its time
             self.exit.watch(
-                self.q, self.dq, self.age, self.reference.q, self.live, standing=True, alone=alone
-            )
+                self.q, self.dq, self.age, self.reference.q, self.live,
+                standing=not stops, alone=self._tried_alone and not stops,
+            )  # fmt: skip
         except LoopFault as violation:
             if violation.axis is not None and self._swings.suspected(violation.axis):
                 raise self._swings.violation(violation.axis) from violation
@@ -159,11 +169,9 @@ class TorquePath:
 
     def catch(self) -> None:
         """Of an arm whose brakes have opened, the joint that falls farthest is borne by what it is
-        seen to weigh, once. Of others, which it takes along, nothing is believed: of joints that
-        come out of their brakes alone each may fall."""
+        seen to weigh, once. Of others, which it takes along, nothing is believed."""
         axis, far = self._farthest()
-        known = self._caught if self._alone is None else axis in self._caught
-        if known or far < FELL or not isinstance(self.controller, Pid):
+        if self._caught or far < FELL or not isinstance(self.controller, Pid):
             return
         thought, most = float(self.thought[axis]), float(self._heaviest[axis])
         found = self._falls.weighed(axis, thought, most)
@@ -171,27 +179,68 @@ class TorquePath:
             self.controller.bear(axis, found.torque)
             self._caught[axis] = found
 
-    def try_alone(self, out: Sequence[int] | None) -> None:
+    def try_alone(self, out: Sequence[int] | None) -> bool:
         """Of all joints only these are ``out`` of their brakes, the last of them just now; None: it
         is no matter of brakes. All others shall be where they are, and keep the torque with which
-        each was held as its own brake closed."""
-        axis = out[-1] if out else None
+        each was held as its own brake closed. Whether the last one falls, told how, and is to be
+        tried again with what holds it by that, its brake being closed meanwhile."""
+        axis, again = out[-1] if out else None, self._again
+        closing = again is not None and (out is None or again.axis not in out)
+        if again is not None:
+            axis = again.axis
+            if not closing:
+                self._bear(axis, float(self.thought[axis]))
+                self.reference.q[axis] = self.q[axis]
+                self._again = None
         if self._alone is not None and axis != self._alone:
             self.thought[self._alone] = self.sent[self._alone]
-            if isinstance(self.controller, Pid):
-                self.controller.bear(self._alone, float(self.sent[self._alone]))
+            self._bear(self._alone, float(self.sent[self._alone]))
+        self._borne &= axis == self._alone and not closing
         self._alone = axis
         self._last_alone = self._last_alone if axis is None else axis  # its brake may yet close
         self._free = None if out is None else {*out, self._last_alone}
         self._tried_alone |= axis is not None
         if out is None:
-            return
+            return False
         free = list(out)
         places = self.reference.q[free].copy()
         self.reference.rest(self.q.copy())
         self.reference.q[free] = places
-        if axis is not None:
-            self.catch()
+        return axis is not None and not closing and self._fell_alone(axis)
+
+    def _fell_alone(self, axis: int) -> bool:
+        """Whether this joint, whose brake is open alone, goes away ever faster, and is to be tried
+        again: it is borne by what holds it as far as that was told. Where that is known well, it
+        may be held by that, and has as much time once more."""
+        error, speed = self.q[axis] - self.reference.q[axis], self.dq[axis]
+        far = abs(error) / self.limits.following_error[axis]
+        fast = abs(speed) / self.limits.velocity[axis]
+        gone = max(far / FELL, fast / BARELY) >= 1.0 + self._borne
+        if not gone or error * speed <= 0.0 or self.rise[axis] <= 0.0:
+            return False
+        trials, fell = self._trials[axis], self._falls.driven(axis)
+        if trials.count >= TRIALS or fell is None:
+            return False
+        thought, most = float(self.thought[axis]), float(self._heaviest[axis])
+        told = self._falls.weighed(axis, thought, most, self._presumed(axis))
+        found = trials.next(fell, told)
+        if found is None:
+            return False
+        self.thought[axis] = float(np.clip(found.torque, -most, most))
+        self._bear(axis, float(self.thought[axis]))
+        if found.between is None and not self._borne:
+            self._borne = True
+            return False
+        trials.count += 1
+        rise = max(float(self.rise[axis]), abs(fell.rise))
+        least = STANDING * float(self.limits.velocity[axis])
+        ramp = float(self.limits.acceleration[axis])
+        self._again = Caught(axis, (float(speed), rise), least, ramp, found.error)
+        return True
+
+    def _bear(self, axis: int, torque: float) -> None:
+        if isinstance(self.controller, Pid):
+            self.controller.bear(axis, torque)
 
     def _in_its_brake(self, axis: int) -> bool:
         return self._free is not None and axis not in self._free
@@ -230,8 +279,9 @@ class TorquePath:
 
     def _weighed(self, axis: int) -> Weighed | None:
         """This joint, by the way it fell, be it roughly, and by how it fell before."""
-        alone = self._alone is not None
-        inertia = None if self._inertia is None else float(self._inertia[alone][axis])
+        if self._again is not None and self._again.axis == axis:
+            return Weighed(float(self.thought[axis]), self._again.error, again=True)
+        alone, inertia = self._alone is not None, self._presumed(axis)
         most, thought = float(self._heaviest[axis]), float(self.thought[axis])
         far, described = float(self.q[axis] - self.reference.q[axis]), float(self._described[axis])
         way = self._falls.way(axis)
@@ -247,6 +297,11 @@ class TorquePath:
             found = self._tried.same_way(axis, thought, described, found)
         found = self._tried.between(axis, self._falls.under(axis, thought), described, way, found)
         return found and replace(found, torque=float(np.clip(found.torque, -most, most)))
+
+    def _presumed(self, axis: int) -> float | None:
+        """kg·m² as this joint moves now."""
+        alone = self._alone is not None
+        return None if self._inertia is None else float(self._inertia[alone][axis])
 
     def watch(self, stopping_for_fault: bool) -> None:
         """Violation where the arm left its envelope; a stop after a fault ends on runaway only."""
@@ -331,6 +386,7 @@ class TorquePath:
         self._falls.restart()
         self._untouched, self._caught, self.fell = True, {}, {}
         self._alone, self._last_alone, self._free, self._tried_alone = None, None, None, False
+        self._again, self._borne, self._trials = None, False, [Trials() for _ in self._trials]
         self.exit.restart()
         self.exit.reach.begin(self.q)
         self.reference.rest(self.q.copy())

@@ -7,12 +7,15 @@ import pytest
 
 from backends.canopen_cia402.brakes import CLOSES_IN
 from backends.canopen_cia402.sequence import GIVES, RESTS, SWAYS, EnableOneByOne
+from backends.cia402 import Control
 from backends.protocol import BackendFault, Feedback
 from pa10d.control.arm import ALONE_AFTER
 from pa10d.control.arm import RESTS as RESTS_AFTER_A_FALL
 from pa10d.control.faults import Fault, LoopFault
 from pa10d.control.gains import first_gains
 from pa10d.control.states import EACH
+from pa10d.control.torque_exit import STANDING
+from pa10d.control.trials import TRIALS
 
 
 def opens_alone(arm, monkeypatch) -> list[bool]:
@@ -135,8 +138,9 @@ def test_each_alone_then_all_and_what_has_no_brake_is_held_meanwhile():
 
 
 def test_whoever_waits_for_it_waits_as_long_as_it_may_take():
-    """Once to open, once to close, and to be seen resting after both."""
-    slowest = SWAYS + 2.0 * RESTS + 2.0 * CLOSES_IN
+    """Once to open, once to close, and to be seen resting after both; and falls that are stopped
+    before, in half a second each."""
+    slowest = SWAYS + 2.0 * RESTS + 2.0 * CLOSES_IN + 0.5 * TRIALS
     assert slowest < EACH
 
 
@@ -145,6 +149,30 @@ def test_one_that_sways_holds_up_no_other_for_ever():
         return 0.01 * np.sin(20 * time) * (words[:1] == [0x0F])
 
     assert opened([True, True], sways) == [[0], [], [1], [], [0, 1]]
+
+
+def test_a_joint_that_falls_is_stopped_by_its_drive_and_tried_once_more():
+    """Its brake closes as it stands, and no earlier; then others have their turn."""
+    axes, states, q = Axes(2), [0x21, 0x21], np.zeros(2)
+    enabling, words, stopping = EnableOneByOne(axes, [True, True]), [], 0
+    for k in range(300):
+        if not enabling.step(Feedback(0.01 * k, q.copy(), q, np.array(states), np.zeros(2, int))):
+            break
+        if k == 40:
+            assert enabling.out == (0,)
+            enabling.again()
+        word = axes.words[0]
+        if not words or words[-1] != word:
+            words.append(word)
+        if word == Control.QUICK_STOP and stopping < 10:
+            stopping += 1
+            q[0] += 0.01  # far beyond what a joint may give in its brake
+        leads = {0x06: 0x21, 0x07: 0x23, 0x0F: 0x27, 0x02: 0x07, 0x00: 0x40}
+        states = [leads[word] for word in axes.words]
+    enable, again = Control.ENABLE, [Control.QUICK_STOP, Control.DISABLE_VOLTAGE]
+    way = [Control.SHUTDOWN, Control.SWITCH_ON]
+    assert words == [way[1], enable, *again, *way, enable, way[1], enable]
+    assert stopping == 10
 
 
 def test_a_brake_that_opens_with_anothers_is_named_before_its_joint_has_gone_far():
@@ -236,3 +264,37 @@ def test_a_first_try_of_each_alone_that_tells_nothing_is_not_the_last(world):
         arm.fault = None
         arm._latch(Fault("not_held", "it fell", 1), RuntimeError())
         assert arm.fault.alone_next == again
+
+
+@pytest.mark.by_default("0.4")
+@pytest.mark.parametrize("believed", [0.4, 2.0])
+def test_a_joint_is_weighed_before_it_falls(make_world, believed):
+    """Short trials that its brake ends, in place of falls that are faults; what its URDF says of it
+    is wrong by so much."""
+    home = [0.0, 0.9, 0.9]
+    world = make_world(home=home)
+    arm = world.arm
+    first = first_gains(world.robot, world.profile.control, arm.path.limits.following_error)
+    tried = []
+
+    def story():
+        world.say("connect")
+        yield world.is_in("inactive")
+        world.say("gains", gains=first.document(), bodies=None)
+        yield world.passes(0.1)
+        described, again = arm._gravity, arm.backend.try_again
+        arm._gravity = lambda q: believed * described(q)
+        arm.backend.try_again = lambda: (tried.append(arm.path._alone), again())
+        world.say("enable")
+        yield world.is_in("enabling")
+        yield world.is_in("holding", "fault")
+        world.say("disable")
+        yield world.is_in("inactive", "fault")
+
+    world.run(story())
+    assert not world.faults
+    assert tried
+    assert max(tried.count(joint) for joint in tried) <= TRIALS
+    way = np.maximum(world.highest - home, home - world.lowest)
+    assert way.max() < 0.1
+    assert world.fastest < STANDING * arm.path.limits.velocity.max()

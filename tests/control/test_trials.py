@@ -1,0 +1,101 @@
+"""A few short falls, each caught by the brake, tell what holds a joint."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pa10d.control.fall import Driven, Weighed
+from pa10d.control.faults import LoopFault
+from pa10d.control.joint_figures import ROUGH
+from pa10d.control.trials import TRIALS, Caught, Trials
+
+PERIOD = 0.004
+
+
+def fell(torque, rise):
+    return Driven(torque, float(rise))
+
+
+def told(least, most):
+    return Weighed(0.5 * (least + most), abs(most - least), (float(least), float(most)))
+
+
+def held_after(weight, inertia, presumed, rubs, thought, sign=1.0):
+    """→ how many trials until friction holds the joint; None: never, or nobody knows further."""
+    trials = Trials()
+    for count in range(TRIALS + 1):
+        lacks = sign * thought - weight
+        if abs(lacks) <= rubs * (1 + 1e-9):
+            return count
+        rise = (lacks - np.sign(lacks) * rubs) / inertia
+        ends = abs(rise) * presumed * np.array([1.0 / ROUGH, ROUGH])
+        found = trials.next(fell(thought, rise), told(*(thought - np.sign(rise) * ends)))
+        if found is None:
+            return None
+        thought = found.torque
+    return None
+
+
+@pytest.mark.parametrize("rubs", [0.02, 0.1])
+def test_whatever_it_weighs_and_however_inert_it_is(rubs):
+    """N·m, of a joint that weighs 1; thought up to three times off, as its inertia."""
+    rng = np.random.default_rng(5)
+    needed = []
+    for _ in range(500):
+        off, body = np.exp(rng.uniform(-np.log(ROUGH), np.log(ROUGH), 2))
+        needed.append(held_after(1.0, 0.05 * body, 0.05, rubs, float(off)))
+    assert None not in needed
+    assert np.mean(needed) < 3.0
+
+
+def test_a_torque_that_acts_the_wrong_way_round_is_not_raised_further():
+    assert held_after(1.0, 0.05, 0.05, 0.02, 0.5, sign=-1.0) is None
+
+
+def test_what_lies_between_is_tried_there():
+    trials = Trials()
+    assert trials.next(fell(1.0, -20.0), told(3.0, 9.0)).torque == 3.0
+    assert trials.next(fell(3.0, 60.0), told(0.0, -9.0)).torque == pytest.approx(1.5)
+    found = trials.next(fell(1.5, -1e-3), told(9.0, 20.0))
+    assert found.between is None, "it is known well"
+    assert 1.5 < found.torque < 2.0
+
+
+def test_a_joint_that_weighs_otherwise_by_now_begins_anew():
+    trials = Trials()
+    trials.next(fell(1.0, -20.0), told(3.0, 9.0))
+    assert trials.next(fell(0.5, 10.0), told(0.2, -3.0)).torque == 0.2
+
+
+def test_nothing_known_is_nothing_tried():
+    trials = Trials()
+    assert trials.next(fell(1.0, -20.0), None) is None
+    assert trials.next(fell(1.0, -20.0), told(0.5, 0.1)) is None, "it would fall the faster"
+
+
+def stopped(speeds, ramp=7.0):
+    """The fault of a joint that fell by 8 rad/s² as its drive was to stop it."""
+    caught = Caught(1, (-0.3, -8.0), 0.5, ramp, 0.0)
+    for speed in speeds:
+        try:
+            caught.watch(np.array([9.0, -speed]), PERIOD)
+        except LoopFault as fault:
+            return fault.kind, fault.axis
+    return None
+
+
+def test_a_drive_that_drives_on_what_it_shall_stop_is_told_from_a_fall():
+    """The one falls on until its ramp begins, the other gets ever faster."""
+    time = PERIOD * np.arange(1, 200)
+    braked = np.maximum(
+        0.3 + 8.0 * np.minimum(time, 0.03) - 7.0 * np.maximum(time - 0.03, 0.0), 0.0
+    )
+    assert stopped(braked) is None
+    assert stopped((0.3 + 8.0 * time)[:40]) == ("wrong_sign", 1)
+    assert stopped((0.3 + 100.0 * time)[:5]) == ("wrong_sign", 1), "before a ramp could begin"
+
+
+def test_a_drive_that_does_not_stop_it_is_named():
+    assert stopped(np.append(np.linspace(0.3, 0.52, 8), np.full(200, 0.52))) == ("stop", 1)
+    assert stopped(np.full(200, 0.48)) is None, "so slow a brake has it"
