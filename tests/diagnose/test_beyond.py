@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from two_links import recordings, textbook
 
 from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.beyond import Beyond, places_of
 from pa10d.diagnose.unknown.claims import unnamed
 from pa10d.diagnose.unknown.of_joint import KnownBesides
@@ -57,6 +58,17 @@ def test_the_line_says_the_place_and_what_to_do(ratio, source):
     assert "noise that is slow" not in line.sentence
     (line,) = remaining(left, [None], claims, ["N·m"], KnownBesides(beyond=[None]))
     assert "has not been" not in line.sentence
+
+
+@pytest.mark.parametrize("all_along", [True, False])
+def test_what_the_fitted_runs_do_not_show_is_said_with_its_place(all_along):
+    """Beside "as if a spring were there" nothing said that they never went there."""
+    runs = {"runs": (), "others": ()} if all_along else {"runs": ("b",), "others": ("a",)}
+    asked = Apart(0, 0.74, 0.9, 0.0, effects=("a spring",), held_out=True, **runs)
+    known = NoiseFloor(np.array([0.1]), ("high frequencies",), np.array([0.001]), np.ones(1))
+    left = Judgement("m", ("run",), 10.0, np.array([1.0]), known)
+    (line,) = remaining(left, [None], [asked], ["N·m"], KnownBesides(beyond=[PLACE]))
+    assert ("lies where q1 is above 0.4 rad" in line.sentence) is all_along
 
 
 @pytest.mark.long

@@ -67,9 +67,10 @@ def _apart(one: OfJoint) -> str:
     if not isinstance(one.left, Apart):
         return ""
     fit = "a fit to all" if one.left.held_out else "the fit"
+    where = _unvisited(one) if one.left.all_along else ""
     return (
         f"; {one.left.who}: {one.left.words}, which is {percent(one.left.share)} of the squared "
-        f"error that {fit} leaves there"
+        f"error that {fit} leaves there{where}"
     )
 
 
@@ -100,8 +101,14 @@ def _other_geometry(one: OfJoint) -> str:
 
 
 def _where_nobody_was(one: OfJoint) -> str:
+    if not one.size_alone or one.material is False or one.repeats:
+        return ""
+    return _unvisited(one)
+
+
+def _unvisited(one: OfJoint) -> str:
     beyond = one.beyond
-    if beyond is None or not one.size_alone or one.material is False or one.repeats:
+    if beyond is None:
         return ""
     return (
         f"; {percent(beyond.share)} of its squared error lies where {beyond.place}, where the fit "
