@@ -15,9 +15,10 @@ from backends.arm_lock import arm_lock
 from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.events import Events
+from pa10d.daemon.offline import passes
 from pa10d.daemon.processes import simulator as simulators
 from pa10d.daemon.processes.simulator import Simulator, refuse_no_arm
-from pa10d.daemon.robot.refusals import CommandRefused
+from pa10d.daemon.robot.refusals import CommandRefused, no_virtual_arm
 from pa10d.daemon.robot.robot import RobotProcess
 from pa10d.dynamics import robot_from_profile
 from pa10d.profile import find_profile, load_profile
@@ -113,6 +114,36 @@ def test_what_a_plant_prints_is_not_taken_for_its_word():
         assert await simulators._heard(said) == "no such joint"
         said.feed_eof()
         assert await simulators._heard(said) == simulators.SILENT
+
+    asyncio.run(main())
+
+
+def test_an_arm_that_takes_longer_than_is_waited_is_used_once_it_is_there(monkeypatch):
+    """On a slow machine its first start compiles for minutes."""
+
+    async def begun():
+        process = await asyncio.create_subprocess_exec(
+            sys.executable, "-c", "input(); print('ready', flush=True); input()",
+            stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
+        )  # fmt: skip
+        return process, os.open(os.devnull, os.O_RDONLY)
+
+    monkeypatch.setattr(simulators, "_begun", begun)
+    monkeypatch.setattr(simulators, "START_TIME", 0.05)
+    monkeypatch.setattr(asyncio.StreamWriter, "close", lambda self: None)
+    profile = load_profile("pa10-sim")
+    can = profile.can.model_copy(update={"channel": f"slow-{os.getpid()}"})
+
+    async def main():
+        arm = Simulator(profile.model_copy(update={"can": can}))
+        await arm.start()
+        assert passes(arm.refusal), "nobody has to change anything"
+        assert no_virtual_arm("connect", "offline", arm.refusal)["detail"].endswith(arm.refusal)
+        arm.process.stdin.write(b"\n")
+        await asyncio.wait([arm._hearing])
+        assert arm.refusal is None
+        await arm.close()
+        assert arm.refusal is None
 
     asyncio.run(main())
 

@@ -17,10 +17,11 @@ from collections.abc import Callable, Iterator
 from backends.arm_lock import Held, arm_leaves, arm_lock, is_simulated, refuse_arm_of_others
 from pa10d.common.errors import UserError
 from pa10d.common.shortage import Short, starting
+from pa10d.daemon.offline import SLOW
 from pa10d.daemon.processes.child import ENVIRONMENT
 from pa10d.profile import Profile
 
-START_TIME = 120.0  # s; the plant may have to be compiled
+START_TIME = 120.0  # s for which all else waits; the plant may have to be compiled for longer
 END_TIME = 2.0  # s; nothing is lost where it is killed
 LOOKS = 0.1  # s between two looks whether an arm that leaves is gone
 READY, REFUSED = "ready", "refused: "  # what it says, in a line; a plant may print others
@@ -51,6 +52,7 @@ class Simulator:
         self._profile = profile
         self.process: asyncio.subprocess.Process | None = None
         self._alive: int | None = None  # held open as long as it shall live
+        self._hearing: asyncio.Task[None] | None = None  # for its word
         self.refusal: str | None = None  # why there is no arm to be used
 
     @property
@@ -87,9 +89,15 @@ class Simulator:
         assert self.process.stdout is not None
         self.process.stdin.write(self._profile.model_dump_json().encode())
         self.process.stdin.close()
-        self.refusal = SILENT
-        with contextlib.suppress(TimeoutError):
-            self.refusal = await asyncio.wait_for(_heard(self.process.stdout), START_TIME)
+        self.refusal = SLOW
+        self._hearing = asyncio.create_task(self._hear(self.process, self.process.stdout))
+        await asyncio.wait([self._hearing], timeout=START_TIME)
+
+    async def _hear(self, process: asyncio.subprocess.Process, said: asyncio.StreamReader) -> None:
+        """Its word, whenever it comes; not of one whose place another has taken."""
+        refusal = await _heard(said)
+        if process is self.process:
+            self.refusal = refusal
 
     def refuse_unless_own(self) -> None:
         """UserError where the arm on the bus is somebody else's, and cannot become another."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pa10d.control.faults import Fault
 from pa10d.control.states import ArmState
+from pa10d.daemon.offline import SLOW
 from pa10d.daemon.processes.link import Message
 
 UNPOWERED = ("inactive", "offline")  # states in which a profile may change that moves the arm
@@ -62,7 +63,9 @@ def being_started(do: str, state: str) -> Message:
 
 
 def no_virtual_arm(do: str, state: str, why: str) -> Message:
-    """It was refused where it was started, in words of its own."""
+    """It was refused where it was started, in words of its own; or it is still to come."""
+    if why == SLOW:
+        return _unheard(do, state, why, "wait until it is there: it is used then")
     remedy = "mend that, then begin 'pa10d serve' anew"
     return _unheard(do, state, f"there is no virtual arm: {why}", remedy)
 
