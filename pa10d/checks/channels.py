@@ -22,7 +22,7 @@ LITTLE = 0.1  # rad (m)
 DULL = 0.5  # of the moving samples at one value
 OFTEN = 10  # stays at it
 MATERIAL = 0.01  # of the samples: fewer wrong ones make a fit poorer, not wrong
-MOSTLY = 0.5  # of the samples at a limit: what is left is no picture of the joint
+MOSTLY = 0.9  # of the samples at a limit: what is left is no picture of the joint
 
 
 def check_channels(

@@ -42,8 +42,7 @@ def as_estimates(
     added = less or kind.question != "textbook"
     if added and sizes and all(SURELY * v.std_error > abs(v.value) for v in sizes):
         out.update({n: replace(out[n], determined=False) for n in told if n in out})
-    wholes = [out[c.name] for c in coefficients.values() if c.whole_at_one and c.name in out]
-    if added and wholes and all(SURELY * v.std_error > abs(v.value) for v in wholes):
+    if added and may_be_nothing(term, out):
         # a law of which there may as well be nothing has no shape
         shapes = {s.name for s in kind.shapes_in(term.shape) if s.scale != "choice"}
         out.update({n: replace(out[n], determined=False) for n in shapes & out.keys()})
@@ -64,6 +63,12 @@ def no_estimates(term: Term, found: Mapping[str, Value]) -> str:
         return ""
     each = "that is no estimate" if len(said) == 1 else "these are no estimates"
     return f"{term.label}: {listed(said)}: {each}, but where something else has drawn it"
+
+
+def may_be_nothing(term: Term, found: Mapping[str, Value]) -> bool:
+    """Of an effect that its shape describes whole: may its share as well be zero?"""
+    shares = [found[c.name] for c in term.effect.coefficients if c.whole_at_one and c.name in found]
+    return bool(shares) and all(SURELY * v.std_error > abs(v.value) for v in shares)
 
 
 def not_one(term: Term, found: Mapping[str, Value]) -> bool:

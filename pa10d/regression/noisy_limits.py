@@ -3,7 +3,8 @@
 A limit before the noise shows no value twice, and a smooth peak, or dry friction alone, is as flat
 for a while. But the motion would ask for more, and for different amounts at different times, where
 the torque comes to the same top again and again. So each joint's textbook equation is fitted
-without the samples near its top, and foretells those.
+without the samples near its top, and foretells those. Where one end is a limit, the same torque the
+other way is its other end, be it come to but once.
 """
 
 from __future__ import annotations
@@ -101,8 +102,16 @@ def _found(recording: Recording, robot: Robot) -> Iterator[NoisyLimit]:
     for (j, side), top in tops.items():
         asked = _asked(j, side, (apart, plain), (rows[0][j], rows[1][j]))
         if asked is not None and _is_limit(top, *asked, apart.lowpass.factor):
-            at = top.at | (side * recording.tau[:, j] > top.lowest)
-            yield NoisyLimit(j, side * top.level, side > 0, at)
+            yield _limit(j, side, top, recording)
+            other = _top(-side * recording.tau[:, j], recording.rate, 1)
+            alike = other is not None and abs(other.level - top.level) < top.band
+            if other is not None and alike and (j, -side) not in tops:
+                yield _limit(j, -side, other, recording)
+
+
+def _limit(j: int, side: float, top: _Top, recording: Recording) -> NoisyLimit:
+    at = top.at | (side * recording.tau[:, j] > top.lowest)
+    return NoisyLimit(j, side * top.level, side > 0, at)
 
 
 @dataclass(frozen=True)
@@ -116,8 +125,8 @@ class _Top:
     lowest: float
 
 
-def _top(values: Array, rate: float) -> _Top | None:
-    """Of a torque (N,); None where it is no candidate for a limit."""
+def _top(values: Array, rate: float, times: int = SEPARATE) -> _Top | None:
+    """Of a torque (N,); None where it is no candidate for a limit, to which it comes so often."""
     over = max(FEWEST_MEANT, int(MEAN_OVER * rate))
     if len(values) < 10 * over:
         return None
@@ -128,7 +137,7 @@ def _top(values: Array, rate: float) -> _Top | None:
         return None
     at = mean >= mean.max() - band
     long = [(k, n) for k, n in stretches(at) if n >= over]
-    if len(long) < SEPARATE or sum(n for _, n in long) < FEWEST * over:
+    if len(long) < times or sum(n for _, n in long) < FEWEST * over * times // SEPARATE:
         return None
     out = np.zeros(len(values), dtype=bool)
     for k, n in long:

@@ -10,6 +10,7 @@ import pytest
 
 from pa10d.diagnose.search import with_numbers
 from pa10d.diagnose.search.with_numbers import needed_without_numbers
+from pa10d.effects import Value
 from pa10d.model import Term
 
 
@@ -56,3 +57,17 @@ def test_what_has_no_number_has_to_be_missed(monkeypatch, second, alone, told, k
     search = SimpleNamespace(state=state, fixed=0, settle=lambda: None)
     needed_without_numbers(search, None, [])
     assert [t.joints for t in search.state.terms] == [(0,), (1,)][:kept]
+
+
+@pytest.mark.parametrize(("doubt", "kept"), [(1.2, 0), (0.3, 1)])
+def test_a_spring_that_may_as_well_be_nothing_is_no_finding(monkeypatch, doubt, kept):
+    """A servo "shows elasticity" was said beside a share of 1.44 ± 1.2 and no number."""
+    unknown = Value(80.0, 900.0, "N·m/rad", determined=False)
+    values = {"share": Value(1.44, doubt, ""), "K": unknown}
+    monkeypatch.setattr(
+        with_numbers, "snapshot", lambda *_: SimpleNamespace(term_values=lambda index: values)
+    )
+    state = State(1.5, [spring(0)])
+    search = SimpleNamespace(state=state, fixed=0, settle=lambda: None)
+    needed_without_numbers(search, None, [])
+    assert len(search.state.terms) == kept

@@ -13,7 +13,7 @@ from pa10d.diagnose.search.versions import snapshot
 from pa10d.effects import Value
 from pa10d.judgement import RunResidual
 from pa10d.model import Term, TorqueModel
-from pa10d.model.estimates import not_one
+from pa10d.model.estimates import may_be_nothing, not_one
 
 
 def only_with_numbers(search: Search, given: TorqueModel, as_given: Sequence[RunResidual]) -> None:
@@ -43,10 +43,12 @@ def needed_without_numbers(
 ) -> None:
     """Drop what has not one number that the data determine where nothing is the worse for it once
     the others are fitted anew: another finding, not yet refined when it came, had left what it
-    took. Of a single spring much is fitted at once, and nothing else has left it.
+    took. Of a single spring much is fitted at once, and nothing else has left it; but what has no
+    number and may as well be nothing is no finding, whatever columns of its shape take.
 
     as_given: the held-out side as the given model saw it
     """
+    _without_shares(search, given, as_given)
     found = search.state.terms[search.fixed :]
     springs = [t for t in found if t.effect.series_spring]
     asked = [t for t in found if not t.effect.series_spring or len(springs) > 1]
@@ -63,6 +65,29 @@ def needed_without_numbers(
         search.settle()
         if np.any(rms(search.state.held_residual()) > (1.0 + MATERIAL_GAIN) * before):
             search.state = saved
+
+
+def _without_shares(search: Search, given: TorqueModel, as_given: Sequence[RunResidual]) -> None:
+    """Drop springs and gaps of which the share may as well be zero."""
+    state = search.state
+    asked = [
+        index
+        for index in range(search.fixed, len(state.terms))
+        if any(c.whole_at_one for c in state.terms[index].effect.coefficients)
+    ]
+    if not asked:
+        return
+    version = snapshot(given, state, len(state.terms), as_given)
+    values = {index: version.term_values(index) for index in asked}
+    none = [
+        index
+        for index, found in values.items()
+        if not_one(term := state.terms[index], found) and may_be_nothing(term, found)
+    ]
+    for index in reversed(none):
+        state.drop(index)
+    if none:
+        search.settle()
 
 
 def needed_beside_springs(search: Search) -> None:
