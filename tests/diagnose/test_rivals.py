@@ -11,12 +11,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from bare_sides import ar1, bare_side, smooth_signal
+from two_links import recordings, state_of
 
 from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.search import looking, steps
+from pa10d.diagnose.search.harm import rms
+from pa10d.diagnose.search.judging import Judging
 from pa10d.diagnose.search.rivals import leaves_more
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.dynamics.robot import rigid_body
+from pa10d.effects import effect
 from pa10d.identify import identify
 from pa10d.measurement.recording import Recording
 
@@ -100,3 +104,44 @@ def test_rivals_between_which_the_truth_lies_are_told_apart_by_chance_alone(phi)
         one, other = (left_by(side, {0: noise + way * half}) for way in (1.0, -1.0))
         said += leaves_more(one, other, [0])
     assert said <= 6  # binomial at one half of 1 % beyond 10⁻⁴
+
+
+def chosen_first(place, rival, more) -> steps.Search:
+    """A search on two links with ``more`` torque that took the one where the other did as well."""
+    runs = recordings(0, more)
+    state = state_of(runs)
+    asked = [(effect(name), joints) for name, joints in (place, rival)]
+    judged = {one.place: one for one in looking.look(Judging(state, asked, len(state.terms)))[1]}
+    search = steps.Search(state, asked, len(state.terms))
+    state.push(judged[place].candidate.term)
+    state.refit()
+    left = rms(state.held_residual())
+    search.steps = [steps.Addition(judged[place], [judged[rival]], left, left)]
+    return search
+
+
+OFFSET, ASYMMETRY = ("torque_offset", (0,)), ("coulomb_asymmetry", (0,))
+
+
+def test_a_rival_that_is_better_by_now_takes_the_place_of_a_finding():
+    """An offset was chosen as the plainer one while another joint's gain hid what speed adds to
+    it: 7.7 times the noise was left, "and no effect that was looked for explains it"."""
+    search = chosen_first(
+        OFFSET,
+        ASYMMETRY,
+        lambda t, q, dq, ddq: np.column_stack([0.6 + 0.3 * np.abs(dq[:, 0]), 0.0 * t]),
+    )
+    assert search._exchanged()
+    term = search.state.terms[-1]
+    assert (term.effect_id, term.joints) == ASYMMETRY
+    assert term.coefficients == pytest.approx([0.6, 0.3], abs=0.05)
+    assert search.steps[0].chosen.place == ASYMMETRY
+    assert not search._exchanged()
+
+
+def test_what_is_no_better_takes_no_place():
+    """The truth is the plainer one."""
+    search = chosen_first(
+        OFFSET, ASYMMETRY, lambda t, *_: np.column_stack([0.6 + 0.0 * t, 0.0 * t])
+    )
+    assert not search._exchanged()

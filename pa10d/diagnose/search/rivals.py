@@ -16,6 +16,7 @@ from pa10d.diagnose.constants import MATERIAL_GAIN, TELL_APART
 from pa10d.diagnose.evidence.errors_of import term_covariance
 from pa10d.diagnose.evidence.held_out import rivalry
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.harm import harmful
 from pa10d.diagnose.search.judging import JudgedCandidate
 from pa10d.diagnose.search.refitting import settled
 from pa10d.regression.per_joint import rms
@@ -24,19 +25,48 @@ from pa10d.regression.per_joint import rms
 def rival_yet(state: SearchState, index: int, rival: JudgedCandidate, fixed: int) -> bool:
     """Can it be what it is called, and does it leave about as little as terms[index] of the state?
     fixed: terms that the model was given."""
-    bare = state.copy()
-    bare.drop(index)
-    bare.push(rival.candidate.term)
-    bare.refit()
-    if not _could_be(bare, rival):
+    other = _in_its_place(state, index, rival)
+    if other is None:
         return False
-    term, every = state.terms[index], np.arange(state.held.n)
-    if rival.candidate.effect.series_spring or term.effect.series_spring:
+    if rival.candidate.effect.series_spring or state.terms[index].effect.series_spring:
         return True  # others bend the bodies as well, until they are followed
-    spoken = {*every[rival.speaks_on].tolist(), *every[term.effect.speaks_on(term.joints)].tolist()}
-    if not leaves_more(state, bare, spoken):
+    spoken = _spoken(state, index, rival)
+    if not leaves_more(state, other, spoken):
         return True
-    return not leaves_more(state, settled(bare, fixed, rounds=1), spoken)
+    return not leaves_more(state, settled(other, fixed, rounds=1), spoken)
+
+
+def rather(
+    state: SearchState, index: int, rival: JudgedCandidate, fixed: int
+) -> SearchState | None:
+    """The state with a rival in the place of terms[index], where that leaves clearly and materially
+    less held out, and on no joint more of the fit side. The plainest of those that could not be
+    told apart was chosen beside an error that others have taken since."""
+    springs = rival.candidate.effect.series_spring or state.terms[index].effect.series_spring
+    other = None if springs else _in_its_place(state, index, rival)
+    if other is None:
+        return None
+    other = settled(other, fixed, rounds=1)
+    spoken = _spoken(state, index, rival)
+    fitted = all(other.fit.rms()[j] < state.fit.rms()[j] for j in spoken)
+    better = fitted and leaves_more(other, state, spoken) and not harmful(state, other)
+    return other if better else None
+
+
+def _in_its_place(state: SearchState, index: int, rival: JudgedCandidate) -> SearchState | None:
+    """A copy with a rival instead of terms[index]; None where it cannot be what it is called."""
+    other = state.copy()
+    other.drop(index)
+    other.push(rival.candidate.term)
+    other.refit()
+    return other if _could_be(other, rival) else None
+
+
+def _spoken(state: SearchState, index: int, rival: JudgedCandidate) -> list[int]:
+    """Joints of which either speaks."""
+    term, every = state.terms[index], np.arange(state.held.n)
+    own, others = every[term.effect.speaks_on(term.joints)], every[rival.speaks_on]
+    return sorted({*own.tolist(), *others.tolist()})
 
 
 def leaves_more(named: SearchState, other: SearchState, joints: Iterable[int]) -> bool:

@@ -30,7 +30,7 @@ from pa10d.diagnose.search.looking import bent_rivals, look, prefer, still_tied
 from pa10d.diagnose.search.pairs import pair_beside
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.refitting import settled
-from pa10d.diagnose.search.rivals import rival_yet
+from pa10d.diagnose.search.rivals import rather, rival_yet
 from pa10d.diagnose.search.springs import promising, with_firm_spring, with_springs
 from pa10d.diagnose.search.timing import align, late_joints
 from pa10d.diagnose.search.turning import told_by_reversals
@@ -89,7 +89,28 @@ class Search:
             refused = doubted
             self._forward(steps, refused)
             self._without_unsure(steps, refused)
+        if self._exchanged():
+            self._forward(steps, refused)
+            self._without_unsure(steps, refused)
         return self
+
+    def _exchanged(self) -> bool:
+        """Put in the place of findings those of their rivals that are better by now."""
+        if self.state.frozen:
+            return False
+        exchanged = False
+        for step in self.steps:
+            for rival in step.rivals:
+                there = [(t.effect_id, t.joints) for t in self.state.terms]
+                if step.chosen.place not in there[self.fixed :] or rival.place in there:
+                    continue
+                index = there.index(step.chosen.place, self.fixed)
+                other = rather(self.state, index, rival, self.fixed)
+                if other is not None:
+                    self.state, exchanged = other, True
+                    step.chosen = rival
+                    step.rivals = [one for one in step.rivals if one is not rival]
+        return exchanged
 
     def _without_unsure(self, steps: int, refused: set[Place]) -> set[Place]:
         """Drop what is unsure and go on without it until all is sure; says what was not."""
