@@ -381,8 +381,14 @@ class Arm:
 
     def _try_alone(self, backend: OpensOneByOne, under_way: bool) -> None:
         """Of an arm whose brakes open one by one, one joint; what it tells counts from now on."""
-        if self.path.try_alone(backend.out_of_brakes if under_way else None):
-            self._told = self.path.thought - self._weight(self._stood_at)
+        path, before = self.path, self.path.alone
+        again = path.try_alone(backend.out_of_brakes if under_way else None)
+        if path.alone == before and not again:
+            return
+        here, stood = self._weight(path.q), self._weight(self._stood_at)
+        path.take_along(here, before)
+        self._told = carried(path.thought, here, stood) - stood
+        if again:
             asked("try_again", backend.try_again)
 
     def _take_up(self, share: float) -> None:

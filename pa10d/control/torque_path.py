@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.protocol import Feedback
+from pa10d.control.carried import carried
 from pa10d.control.estimator import SpeedEstimator
 from pa10d.control.fall import FallWatch, Tried, Weighed
 from pa10d.control.faults import LoopFault
@@ -21,7 +22,7 @@ from pa10d.control.reference import Reference
 from pa10d.control.states import ArmState
 from pa10d.control.stood import StoodWith
 from pa10d.control.torque_exit import STANDING, TorqueExit
-from pa10d.control.trials import TRIALS, Caught, Trials
+from pa10d.control.trials import TRIALS, Caught, Trials, in_vain
 from pa10d.control.wrong_way import WrongWayWatch
 
 Array = NDArray[np.float64]
@@ -208,21 +209,40 @@ class TorquePath:
         self.reference.q[free] = places
         return axis is not None and not closing and self._fell_alone(axis)
 
+    @property
+    def alone(self) -> int | None:
+        """The joint whose brake is open, or was until it fell, all others being closed."""
+        return self._alone
+
+    def take_along(self, described: Array, weighed: int | None) -> None:
+        """The arm has moved since joints were weighed, and one is ``weighed`` now: all in their
+        brakes weigh as many times what is ``described`` here, (n,) N·m, as there."""
+        if weighed is not None:
+            self._described[weighed] = described[weighed]
+        held = carried(self.thought, self._described, described)
+        for axis in set(range(len(held))) - (self._free or set()):
+            self.thought[axis] = held[axis]
+            self._bear(axis, float(held[axis]))
+        self._described = described
+
     def _fell_alone(self, axis: int) -> bool:
-        """Whether this joint, whose brake is open alone, goes away ever faster, and is to be tried
-        again: it is borne by what holds it as far as that was told. Where that is known well, it
-        may be held by that, and has as much time once more."""
+        """Whether this joint, whose brake is open alone, goes away ever faster, or goes on as far
+        again, and is to be tried again: it is borne by what holds it as far as that was told. Where
+        that is known well, it may be held by that, and has as much time once more."""
         error, speed = self.q[axis] - self.reference.q[axis], self.dq[axis]
         far = abs(error) / self.limits.following_error[axis]
         fast = abs(speed) / self.limits.velocity[axis]
         gone = max(far / FELL, fast / BARELY) >= 1.0 + self._borne
-        if not gone or error * speed <= 0.0 or self.rise[axis] <= 0.0:
+        slides = far >= 2.0 * FELL and abs(speed) > CREEPS  # by viscous friction no faster
+        if not gone or error * speed <= 0.0 or not (slides or self.rise[axis] > 0.0):
             return False
         trials, fell = self._trials[axis], self._falls.driven(axis)
         if trials.count >= TRIALS or fell is None:
             return False
         thought, most = float(self.thought[axis]), float(self._heaviest[axis])
         told = self._falls.weighed(axis, thought, most, self._presumed(axis))
+        if told is None and max(far / FELL, fast / BARELY) >= 2.0:
+            told = in_vain(thought, float(self.sent[axis]))
         found = trials.next(fell, told)
         if found is None:
             return False

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.control.fall import SURE, Driven, Weighed
+from pa10d.control.fall import MOST, SURE, Driven, Weighed
 from pa10d.control.faults import RAN_ON, LoopFault
 from pa10d.control.joint_figures import ROUGH
 
@@ -71,6 +71,13 @@ class Trials:
             return None
         least = told if told.between is None else replace(told, torque=told.between[0])
         return None if (least.torque < fell.torque) != up else least
+
+
+def in_vain(thought: float, sent: float) -> Weighed:
+    """Of a joint that goes on, however much its servo has ``sent`` beyond what was ``thought``."""
+    more = sent - thought
+    ends = (sent + more, sent + MOST * more)
+    return Weighed(0.5 * (ends[0] + ends[1]), abs(ends[1] - ends[0]) / (2.0 * SURE), ends)
 
 
 class Caught:

@@ -279,3 +279,17 @@ def test_bodies_of_a_urdf_alone_are_not_told_as_felt():
     bodies = np.stack([1.1 * robot.parameters, 1.2 * robot.parameters])
     weighed = replace(known, figures=known.figures.but(bodies=bodies))
     assert np.array_equal(weighed.felt, bodies[0])
+
+
+def test_what_was_told_goes_along_as_others_move(arm):
+    """The one that is weighed now as it is; those that are free are held by their servos."""
+    path = arm.path
+    path.power_up(np.array([2.0, 6.0]), np.array([1.0, 3.0]))
+    path.try_alone([])
+    path.take_along(np.array([1.5, 2.0]), 1)
+    assert path.thought == pytest.approx([3.0, 6.0])
+    path.take_along(np.array([1.5, 1.0]), None)
+    assert path.thought == pytest.approx([3.0, 3.0])
+    path.try_alone([0])
+    path.take_along(np.array([1.0, 1.0]), None)
+    assert path.thought == pytest.approx([3.0, 3.0])

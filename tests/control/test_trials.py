@@ -8,7 +8,7 @@ import pytest
 from pa10d.control.fall import Driven, Weighed
 from pa10d.control.faults import LoopFault
 from pa10d.control.joint_figures import ROUGH
-from pa10d.control.trials import TRIALS, Caught, Trials
+from pa10d.control.trials import TRIALS, Caught, Trials, in_vain
 
 PERIOD = 0.004
 
@@ -99,3 +99,9 @@ def test_a_drive_that_drives_on_what_it_shall_stop_is_told_from_a_fall():
 def test_a_drive_that_does_not_stop_it_is_named():
     assert stopped(np.append(np.linspace(0.3, 0.52, 8), np.full(200, 0.52))) == ("stop", 1)
     assert stopped(np.full(200, 0.48)) is None, "so slow a brake has it"
+
+
+def test_a_joint_that_slides_on_is_held_by_more_than_its_servo_gave():
+    more = in_vain(1.0, 1.2)
+    assert more.between == pytest.approx((1.4, 3.0))
+    assert Trials().next(fell(1.1, -0.1), more).torque == pytest.approx(1.4)
