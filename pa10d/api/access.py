@@ -20,6 +20,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from pa10d.api.assets import AHEAD_HASH
 from pa10d.api.problems import problem_response
+from pa10d.common.errors import UserError
 
 SCOPES = ("look", "command", "admin")  # each includes the ones before it
 LOCAL_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]", "::1"})
@@ -30,6 +31,8 @@ OPEN = ("/healthz",)
 REACH = "pa10d.reach"  # where a request carries how far its token reaches
 
 
+TOKENS = 'one token, or {"look": "…", "command": "…", "admin": "…"}'
+_SENDABLE = re.compile(r"[!-~]([ -~]*[!-~])?")
 _HOST = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)(?::[0-9]{1,5})?")
 
 
@@ -200,10 +203,25 @@ def _with_headers(send: Send, scope: Scope) -> Send:
     return sending
 
 
-def tokens_from(text: str) -> dict[str, str]:
-    """``{"look": "...", "command": "...", "admin": "..."}`` or one token for everything."""
+def tokens_from(text: str, where: str) -> dict[str, str]:
+    """``{"look": "...", "command": "...", "admin": "..."}`` or one token for everything.
+
+    UserError, with ``where`` they stand, for what is neither: without any token whoever is on this
+    machine commands the arm, and who has named tokens does not mean that.
+    """
     text = text.strip()
-    if not text.startswith("{"):
-        return {"admin": text} if text else {}
-    given = json.loads(text)
-    return {scope: str(given[scope]) for scope in SCOPES if given.get(scope)}
+    given: object = {"admin": text}
+    if text.startswith("{"):
+        try:
+            given = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise UserError(f"{where}: {error}; expected {TOKENS}") from error
+    if not isinstance(given, dict) or not given or not text:
+        raise UserError(f"{where}: found no token, expected {TOKENS}")
+    for scope, token in given.items():
+        if scope not in SCOPES:
+            raise UserError(f"{where}: found {scope[:60]!r}, expected {TOKENS}")
+        if not isinstance(token, str) or not _SENDABLE.fullmatch(token):
+            wanted = "printable ASCII without blanks at either end"
+            raise UserError(f"{where}: {scope}: found what is no token, expected {wanted}")
+    return {scope: given[scope] for scope in SCOPES if scope in given}

@@ -149,13 +149,18 @@ def serve(options: argparse.Namespace) -> Answer:
         from pa10d.daemon.timekeeping import kept_time, slower
         from pa10d.store.location import data_folder
 
+    tokens = {}
+    if options.token_file is not None:
+        text = options.token_file.read_text("utf-8", "replace")
+        tokens = tokens_from(text, str(options.token_file))
+    elif one := os.environ.get("PA10D_TOKEN"):
+        tokens = tokens_from(one, "PA10D_TOKEN")
     profile, robot = _as_tuned_here(options)
-    secret = options.token_file.read_text("ascii", "replace") if options.token_file else ""
     settings = Settings(
         data=data_folder(options.data),
         host=options.host,
         port=options.port,
-        tokens=tokens_from(secret or os.environ.get("PA10D_TOKEN", "")),
+        tokens=tokens,
         names=tuple(options.names),
         simulator=not options.no_sim,
         as_json=options.json,

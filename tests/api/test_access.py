@@ -16,8 +16,10 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 import pa10d
-from pa10d.api.access import UPLOAD
+from pa10d.api.access import UPLOAD, tokens_from
 from pa10d.api.assets import AHEAD_HASH
+from pa10d.cli import main
+from pa10d.common.errors import UserError
 
 PROBLEM = "application/problem+json"
 
@@ -156,6 +158,31 @@ def test_other_machines_need_a_token(tmp_path):
     )
     assert made.returncode == 1
     assert "expected a loopback address, or tokens" in made.stderr
+
+
+def test_tokens_are_what_was_written():
+    assert tokens_from(" secret\n", "file") == {"admin": "secret"}
+    assert tokens_from('{"admin": "a", "look": "b"}', "file") == {"look": "b", "admin": "a"}
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", " \n", "{}", '{"admn": "x"}', '{"look": "x", "adminn": "y"}', '{"admin": ""}', "{admin",
+     '{"admin": 5}', '{"admin": ["x"]}', "two\nlines", "b\u00e4r", '{"a":' * 5000],
+)  # fmt: skip
+def test_a_file_without_sound_tokens_lets_nobody_in(text):
+    """Without any token whoever is on this machine commands the arm."""
+    with pytest.raises(UserError, match=r"^file: ") as refusal:
+        tokens_from(text, "file")
+    assert "\n" not in str(refusal.value)
+
+
+def test_serve_does_not_begin_with_a_typo_among_its_tokens(tmp_path, capsys):
+    (tmp_path / "tokens").write_text('{"admn": "x"}')
+    options = ["--data", str(tmp_path), "serve", "--port", "0", "--no-sim", "--token-file"]
+    assert main([*options, str(tmp_path / "tokens")]) == 1
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert said.startswith(f"{tmp_path / 'tokens'}: found 'admn', expected one token")
 
 
 def test_tokens_reach_as_far_as_they_say(guarded):
