@@ -93,6 +93,7 @@ class Arm:
         self._asked_off = False  # the backend took in that it shall switch off
         self._falls = 0  # times as its brakes opened, since it ended a motion
         self._together = False  # brakes open with each other's, as was seen since it was connected
+        self._left = False  # it moved as its drives were left to stop it, and was not held since
         self._weighs_anew = False  # nobody knows what holds the arm where it is to be held
         self.maybe_powered = False  # given up: the drives were to switch off and have not obeyed
 
@@ -176,7 +177,10 @@ class Arm:
 
     def _unknown_at(self, q: Array) -> bool:
         """Whether an arm that nobody has measured is to be held where it was not held yet: what is
-        thought to hold it is a URDF's word, joint by joint, but for those that fell since."""
+        thought to hold it is a URDF's word, joint by joint, but for those that fell since. Or any
+        arm, where its drives stopped it on its way."""
+        if self._left:
+            return True
         if self._was_weighed or not self.path.pushes:
             return False
         if self._falls:
@@ -432,7 +436,7 @@ class Arm:
 
     def _hold(self) -> None:
         self.path.hold()
-        self.motion, self._stop = None, None
+        self.motion, self._stop, self._left = None, None, False
         self.state = ArmState.HOLDING
 
     def _begin_stop(self, after: ArmState, by_drives: bool = False) -> None:
@@ -465,6 +469,7 @@ class Arm:
     def _leave_it_to_the_drives(self) -> None:
         """No torque of ours any more; their own quick stop brakes. Joints that stood until now are
         held again by what held them."""
+        self._left |= self.state in (ArmState.RUNNING, ArmState.STOPPING)
         if not self.path.limp:
             self._keep_what_holds(self.path.held_with(self._thought()))
         self.path.let_go()
@@ -540,12 +545,12 @@ class Arm:
 
     def _thought(self) -> Array:
         """N·m (n,) by the description, and by what was told beyond that of the pose in which the
-        brakes opened, which is near: a joint that fell before has told what it weighs."""
-        here = self._weight(self.path.q)
-        if np.abs(self.path.q - self._stood_at).max() > CARRIED:
-            return here
-        stood = self._weight(self._stood_at)
-        return carried(stood + self._told, stood, here)
+        brakes opened, as a share where that is far: a joint has told what it weighs."""
+        here, stood = self._weight(self.path.q), self._weight(self._stood_at)
+        if np.abs(self.path.q - self._stood_at).max() <= CARRIED:
+            return carried(stood + self._told, stood, here)
+        share, masses = share_of(stood + self._told, stood)
+        return np.where(masses, share * here, here)
 
     def _take_along(self) -> None:
         """A joint that was weighed as it fell went on until its brake held it: what was found

@@ -237,7 +237,7 @@ class TorquePath:
         if not gone or error * speed <= 0.0 or not (slides or self.rise[axis] > 0.0):
             return False
         trials, fell = self._trials[axis], self._falls.driven(axis)
-        if trials.count >= TRIALS or fell is None:
+        if trials.count >= TRIALS or fell is None or not isinstance(self.controller, Pid):
             return False
         thought, most = float(self.thought[axis]), float(self._heaviest[axis])
         told = self._falls.weighed(axis, thought, most, self._presumed(axis))

@@ -185,8 +185,8 @@ def test_what_a_motor_could_not_hold_its_joint_does_not_weigh():
     assert arm.path.thought == pytest.approx([-0.5 * most, 0.9 * most])
 
 
-def test_brakes_open_alone_until_a_motion_has_come_to_its_end(arm):
-    """An arm that is measured is held in one place, and falls in the next."""
+def opens_one_by_one(arm):
+    """Grows by how the brakes open, from now on."""
     opened = []
 
     class OneByOne(FakeBackend):
@@ -204,6 +204,12 @@ def test_brakes_open_alone_until_a_motion_has_come_to_its_end(arm):
             raise AssertionError("nothing falls")
 
     arm.backend.__class__ = OneByOne
+    return opened
+
+
+def test_brakes_open_alone_until_a_motion_has_come_to_its_end(arm):
+    """An arm that is measured is held in one place, and falls in the next."""
+    opened = opens_one_by_one(arm)
     for _ in range(ALONE_AFTER):
         arm._latch(Fault("not_held", "it fell", 1), RuntimeError())
         arm.fault = None
@@ -216,6 +222,36 @@ def test_brakes_open_alone_until_a_motion_has_come_to_its_end(arm):
             until(arm, HOLDING)
         switched_off(arm)
     assert opened == ["alone", "alone", "together"]
+
+
+@pytest.mark.parametrize("by_drives", [False, True])
+def test_an_arm_that_its_drives_stopped_on_its_way_opens_each_brake_alone(arm, by_drives):
+    """Nobody has held it where it is now. Where its servo brought it to rest it was held."""
+    opened = opens_one_by_one(arm)
+    arm.enable()
+    until(arm, HOLDING)
+    cycles(arm, 1000)
+    arm.run(swing(np.zeros(2), 0.1, 1.0))
+    cycles(arm, 100)
+    for _ in range(1 + by_drives):
+        arm._on_fault(LoopFault("following_error", "fell behind", 0))
+    until(arm, ArmState.FAULT)
+    for _ in range(2):
+        if arm.fault is not None:
+            arm.reset()
+            until(arm, ArmState.INACTIVE)
+        arm.enable()
+        until(arm, HOLDING)
+        switched_off(arm)
+    assert opened == ["together", "alone" if by_drives else "together", "together"]
+
+
+@pytest.mark.parametrize(("far", "weighs"), [(0.1, 3.0), (1.0, 3.0)])
+def test_what_was_told_goes_along_as_a_share_however_far(arm, far, weighs):
+    arm._gravity = lambda q: np.array([2.0, 4.0]) * np.cos(q[0])
+    arm._stood_at, arm._told = np.zeros(2), np.array([1.0, 0.0])
+    arm.path.q[:] = far, 0.0
+    assert arm._thought() == pytest.approx(np.array([weighs, 4.0]) * np.cos(far))
 
 
 @pytest.mark.parametrize(
