@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from pa10d.common.errors import UserError
 
 TYPES = ("revolute", "continuous", "prismatic", "fixed")
+MOST_JOINTS = 500  # a robot has a hundred; its tree is walked along, joint by joint
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
@@ -28,6 +29,8 @@ def check_urdf(root: ET.Element, where: str) -> None:
 def _faults(root: ET.Element) -> Iterator[str]:
     if root.tag != "robot":
         yield f"found <{root.tag}>, expected <robot> at the top of a URDF"
+    if (count := len(root.findall("joint"))) > MOST_JOINTS:
+        yield f"found {count} joints, expected {MOST_JOINTS} at most"
     for tag in ("link", "joint"):
         yield from _names(root, tag)
     for link in root.findall("link"):
@@ -120,7 +123,7 @@ def _vector(element: ET.Element, name: str, label: str) -> Iterator[str]:
     if text is None:
         return
     parts = text.split()
-    if len(parts) != 3 or not all(map(_finite, parts)):
+    if len(parts) != 3 or not text.isascii() or not all(map(_finite, parts)):
         yield f"{label}: found <{element.tag} {name}={text!r}>, expected three numbers"
 
 

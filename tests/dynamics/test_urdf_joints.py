@@ -163,3 +163,32 @@ def test_drives_have_the_limits_of_their_own_joint(tmp_path):
     profile = load_profile(tmp_path / "arm.yaml")
     assert robot_from_profile(profile).velocity.tolist() == [7, 2, 2]
     assert [one.velocity for one in axis_limits(profile)] == [7, 2, 2]
+
+
+def test_blanks_around_numbers_change_nothing(tmp_path, capfd):
+    """Pinocchio's parser leaves a body out whose mass or inertia ends with a blank."""
+    plain = robot_from_urdf(urdf(*LINKS, *CHAIN))
+    wide = re.sub(r'(\w+)="([-\d. ]+)"', r'\1=" \2\n"', urdf(*LINKS, *CHAIN))
+    robot = robot_from_urdf(wide)
+    np.testing.assert_array_equal(robot.parameters, plain.parameters)
+    np.testing.assert_array_equal(robot.axis, plain.axis)
+    np.testing.assert_array_equal(robot.effort, plain.effort)
+    (tmp_path / "arm.urdf").write_text(wide)
+    (tmp_path / "plain.urdf").write_text(urdf(*LINKS, *CHAIN))
+    of_plant, as_plain = (reduced_model(tmp_path / f"{n}.urdf", None) for n in ("arm", "plain"))
+    for one, other in zip(of_plant.inertias, as_plain.inertias, strict=True):
+        np.testing.assert_array_equal(one.toDynamicParameters(), other.toDynamicParameters())
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("axis", ["0\u00a00\u00a01", "0 0 \u0661"])
+def test_numbers_are_written_in_ascii(axis):
+    with pytest.raises(UserError, match="expected three numbers"):
+        robot_from_urdf(urdf(*LINKS, *CHAIN[1:], joint("pan", "base", "l1", axis=axis)))
+
+
+def test_a_chain_without_end_is_refused_in_one_line():
+    links = [link(f"k{k}", 1) for k in range(1200)]
+    joints = [joint(f"j{k}", f"k{k - 1}" if k else "base", f"k{k}") for k in range(1200)]
+    with pytest.raises(UserError, match="found 1200 joints, expected 500 at most"):
+        robot_from_urdf(urdf(*links, *joints))
