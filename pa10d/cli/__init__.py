@@ -23,6 +23,7 @@ from pa10d.cli.remembered import default_named
 from pa10d.cli.streams import give_up
 from pa10d.common.disk import disk_words
 from pa10d.common.errors import Unsound, UserError
+from pa10d.common.words import as_text
 
 DONE, FAILED, MISUSED, INTERRUPTED = 0, 1, 2, 130
 
@@ -47,6 +48,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit status is 0 done, 1 could not be done, 2 wrong usage."""
     parser = whole_parser()
     complete(parser)
+    for argument in sys.argv[1:] if arguments is None else arguments:
+        if (shown := as_text(argument)) != argument:
+            parser.error(f"found {shown}, expected text in UTF-8: give the file another name")
     options, more = parser.parse_known_args(arguments)
     if more:
         options.parser.error(f"unrecognized arguments: {' '.join(more)}")

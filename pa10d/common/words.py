@@ -71,3 +71,9 @@ def did_you_mean(found: str, known: Iterable[str]) -> str:
     """``; did you mean diagnose?`` where one of ``known`` is like ``found``, else nothing."""
     close = difflib.get_close_matches(found, list(known), n=1)
     return f"; did you mean {close[0]}?" if close else ""
+
+
+def as_text(name: str) -> str:
+    """What a file is called, also where its bytes are no text: neither JSON nor a terminal takes
+    the marks that Python has for those."""
+    return name.encode("utf-8", "backslashreplace").decode()

@@ -16,6 +16,7 @@ from typing import Annotated, BinaryIO
 from pydantic import AfterValidator, Field
 
 from pa10d.common.errors import UserError
+from pa10d.common.words import as_text
 from pa10d.common.yamlfile import expected
 from pa10d.store.names import checked_name
 
@@ -34,23 +35,17 @@ class SetAside:
 
     def __post_init__(self) -> None:
         for field in ("id", "name", "reason"):
-            object.__setattr__(self, field, _as_text(getattr(self, field)))
+            object.__setattr__(self, field, as_text(getattr(self, field)))
 
     @property
     def place(self) -> str:
         """Where it lies in the data folder."""
-        return _as_text(str(self.path.relative_to(self.path.parents[1])))
+        return as_text(str(self.path.relative_to(self.path.parents[1])))
 
     def document(self) -> dict[str, str]:
         """As JSON knows it; to readers elsewhere the data folder's own path says nothing."""
-        reason = self.reason.replace(_as_text(f"{self.path.parents[1]}/"), "")
+        reason = self.reason.replace(as_text(f"{self.path.parents[1]}/"), "")
         return {"id": self.id, "name": self.name, "place": self.place, "reason": reason}
-
-
-def _as_text(name: str) -> str:
-    """What a file is called, also where its bytes are no text: neither JSON nor a terminal takes
-    the marks that Python has for those."""
-    return os.fsencode(name).decode("utf-8", "backslashreplace")
 
 
 def _named(value: str) -> str:

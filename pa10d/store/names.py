@@ -12,7 +12,7 @@ from typing import Protocol, TypeVar
 from pa10d.common.errors import UserError
 from pa10d.common.words import did_you_mean
 
-_FORBIDDEN = re.compile(r"[\x00-\x1f\x7f/\\]")
+_FORBIDDEN = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufffe\uffff/\\]")
 _STAMPED = re.compile(r"([0-9]{8}-[0-9]{6}(?:[0-9]{3})?)-")
 STAMP = len("20260131-134500123")
 MOMENT = timedelta(milliseconds=1)  # as far as an id tells times apart

@@ -229,3 +229,18 @@ def test_a_machine_without_memory_is_told_in_a_line(tmp_path, monkeypatch, capsy
     said = capsys.readouterr().err.strip().splitlines()
     assert len(said) == 1
     assert "no more memory" in said[0]
+
+
+@pytest.mark.parametrize(
+    "arguments", [["run", "import", "b\udcffd.csv"], ["run", "list", "--data=\udcff"]]
+)
+def test_a_name_that_is_no_text_is_wrong_usage(capsys, arguments):
+    """Of files of old systems; what is written of them in JSON and YAML would be none."""
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    assert stop.value.code == 2
+    assert (
+        capsys.readouterr()
+        .err.splitlines()[-1]
+        .endswith("expected text in UTF-8: give the file another name")
+    )

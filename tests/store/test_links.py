@@ -80,7 +80,7 @@ def test_a_name_that_is_no_text_is_told_all_the_same(tmp_path, kind):
     (store.folder / os.fsdecode(b"of \xff.yaml")).mkdir()
     (other,) = kind(tmp_path).set_aside()
     said = json.dumps(other.document(), ensure_ascii=False).encode().decode()
-    assert r"of \\xff" in said
+    assert r"of \\udcff" in said
     with pytest.raises(UserError) as refusal:
         store.find(other.id)
     assert str(refusal.value).encode()

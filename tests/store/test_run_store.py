@@ -52,7 +52,11 @@ def test_an_id_comes_before_a_name_and_a_name_before_the_start_of_an_id():
             resolve(nothing, runs, "run")
 
 
-@pytest.mark.parametrize("name", ["", " a", "a/b", "a\\b", "a\nb", ".a", "-a", "x" * 101, "\x7f"])
+@pytest.mark.parametrize(
+    "name",
+    ["", " a", "a/b", "a\\b", "a\nb", ".a", "-a", "x" * 101, "\x7f", "a\x9b31m", "a\u2028b",
+     "a\udcff", "a\uffff"],
+)  # fmt: skip
 def test_names_that_cannot_be(name):
     with pytest.raises(UserError, match="expected"):
         checked_name(name)
