@@ -72,6 +72,7 @@ LONGEST_PLAN = 180.0  # s: more is no experiment but a day's work
 STEPS_PER_JOINT = 3  # effects that one search adds at most: friction alone may be two of a joint
 LEAST_STEPS = 8  # of few joints
 PER_JOINT = 4  # candidates of one step and joint that are judged on the held-out side
+SHARED_PAIRS = 2  # effects that show in shared bodies beside which a second one is looked for
 SEARCH_THREADS = 2
 TOGETHER = 12  # shapes whose columns are made, filtered and judged at once
 CLOSER_LOOKS = 2  # starts of an effect whose gain is rough in its shape, looked around once more

@@ -108,6 +108,18 @@ def test_one_joint_is_told_by_its_sentence_its_cards_and_its_plots():
     assert "with it 14 % of joint 2's squared error is gone" in said
 
 
+@pytest.mark.parametrize(
+    ("others", "told"),
+    [([1], "of joint 2, and"), ([1, 2], "of joints 2 and 3, each as far as it weighs the same")],
+)
+def test_a_gain_is_held_against_those_that_weigh_the_same(others, told):
+    """Joints 1, 2, 5 and 6 were told as one, of which the wrist read 14 % less than the others."""
+    term = Term("torque_gain", (0,), np.array([0.1]))
+    left = np.array([1.0, 0.1, 0.1]), np.array([0.1, 0.1, 0.1])
+    said = sentence(term, *left, Value(0.5, 0.01, "N·m"), [], False, others)
+    assert f"this one is against that {told}" in said
+
+
 def test_what_helps_only_beside_what_came_later_is_told_by_that():
     """It was told that "the model lacks 0 N·m; with it -2 % of joint 1's squared error is gone"."""
     term = Term("presliding_hysteresis", (0,), np.array([0.35]), {"zs": 0.002})

@@ -51,7 +51,7 @@ def sentence(
     when = ", beside what follows: when it came, hardly any was" if late else ""
     text = f"{said}; with it {share} of joint {worst + 1}'s squared error is gone{when}."
     if not frozen and others and term.effect.only_against_others:
-        text += f" {term.effect.only_against_others.format(others=joint_words(others))}."
+        text += f" {term.effect.only_against_others.format(others=_weighing(others))}."
     if frozen and term.effect.question == "missing" and not term.effect.also_changes:
         text += " Or it was there all along, where the model's own runs do not show it."
     if sized and term.effect.below_zero and term.coefficients[0] < 0.0 and not frozen:
@@ -65,6 +65,12 @@ def sentence(
         rivals = sorted({_other(term, c) for c in confusions})
         text += f" This data cannot yet tell it from {listed(rivals, 'or')}."
     return text
+
+
+def _weighing(others: Sequence[int]) -> str:
+    """Of several no one knows who it is: a wrist may read what it likes."""
+    alike = ", each as far as it weighs the same bodies" if len(others) > 1 else ""
+    return f"{joint_words(others)}{alike}"
 
 
 def helped_most(term: Term, before: Array, after: Array) -> tuple[int, int]:

@@ -1,9 +1,13 @@
-"""Two effects of one joint of which neither is itself alone.
+"""Two effects of one joint of which neither holds alone.
 
 A law with a shape of its own bends to what else the joint lacks. Friction that is higher at low
 speed, and friction that grows faster than the speed, each take the other's part as far as their
 shapes go, and end where they are no longer what they are called. With the other one beside it,
 each is itself.
+
+What shows only in how joints contradict each other (a gain that is off) takes much of the fit side,
+bodies and all, and what else that joint lacks decides what it does to motion held out. Beside that
+it holds, and so does the other.
 """
 
 from __future__ import annotations
@@ -11,7 +15,13 @@ from __future__ import annotations
 from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass
 
-from pa10d.diagnose.constants import LEAST_GAIN, MATERIAL_GAIN, PER_JOINT, SEARCH_LEVEL
+from pa10d.diagnose.constants import (
+    LEAST_GAIN,
+    MATERIAL_GAIN,
+    PER_JOINT,
+    SEARCH_LEVEL,
+    SHARED_PAIRS,
+)
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import scan
 from pa10d.diagnose.search.harm import harmful, rms, taken_by
@@ -34,14 +44,19 @@ def pair_beside(
     judging: Judging, judged: Sequence[JudgedCandidate], refused: Container[Place] = ()
 ) -> Pair | None:
     """The best two effects of one joint that hold beside each other, where one that would hold
-    alone goes to the end of its range; None where there is no such joint.
+    alone goes to the end of its range, or shows in shared bodies and does not hold; None where
+    there is no such joint.
 
     judged: what was judged alone. Both together must leave less than either does alone, on both
     sides, and each must hold on top of the other, corrected for the pairs that were tried.
     """
     if judging.state.frozen:
         return None
-    firsts = [j for j in judged if j.bent and j.place not in refused and _of_one_joint(j)]
+    asked = [j for j in judged if j.place not in refused and _of_one_joint(j)]
+    firsts = [j for j in asked if j.bent]
+    shared = [j for j in asked if j.candidate.effect.seen_by_shared_bodies and not j.acceptable]
+    shared = [j for j in shared if j.candidate.gain >= LEAST_GAIN]
+    firsts += sorted(shared, key=lambda j: -j.candidate.gain)[:SHARED_PAIRS]
     pairs = [pair for one in firsts for pair in _pairs(judging, one, firsts, refused)]
     return min(pairs, key=lambda p: what_is_left(p.state), default=None)
 
