@@ -156,6 +156,24 @@ def test_a_model_that_asks_too_much_along_a_plan_is_refused(robot, held):
     assert arm.state == ArmState.HOLDING
 
 
+def test_a_model_that_does_not_know_of_a_load_starts_no_motion(robot, held):
+    """It held the arm when it was loaded; then something heavy was hung on."""
+    arm, commands = held
+    write, load_there = arm.backend.write, np.zeros(7)
+    arm.backend.write = lambda torque: write(torque - load_there)
+    assert load(commands, model_of(robot))["ok"]
+    for _ in range(2000):
+        load_there[1] = min(load_there[1] + 0.1, 40.0)
+        arm.cycle()
+    assert arm.state == ArmState.HOLDING
+    with pytest.raises(Refused, match=r"joint 2: the model wants .* do hold it"):
+        arm.run(swing(arm.path.reference.q, amplitude=0.1, seconds=2.0))
+    load_there[1] = 0.0
+    for _ in range(2000):
+        arm.cycle()
+    arm.run(swing(arm.path.reference.q, amplitude=0.1, seconds=2.0))
+
+
 def spoilt(column, value, row=700):
     def spoil(rows):
         rows[row, column] = value
