@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.protocol import Feedback
-from pa10d.control.carried import carried
+from pa10d.control.carried import share_of
 from pa10d.control.estimator import SpeedEstimator
 from pa10d.control.fall import FallWatch, Tried, Weighed
 from pa10d.control.faults import LoopFault
@@ -72,6 +72,7 @@ class TorquePath:
         self._untouched = True  # since power-up no motion was asked for
         self._described = np.zeros(n)  # N·m by the description, and
         self.thought = np.zeros(n)  # … by all that is known, to hold where brakes opened last
+        self._told = np.zeros((2, n))  # N·m told of each, and described where it was
         self._moved_at = np.full(n, -np.inf)  # s, when each moved last
         self._restless = np.zeros(n, dtype=bool)  # ever since the first seconds of being held
         self._stood, self._falls, self._tried = StoodWith(n), FallWatch(n), Tried(n)
@@ -216,10 +217,14 @@ class TorquePath:
 
     def take_along(self, described: Array, weighed: int | None) -> None:
         """The arm has moved since joints were weighed, and one is ``weighed`` now: all in their
-        brakes weigh as many times what is ``described`` here, (n,) N·m, as there."""
+        brakes weigh as many times what is ``described`` here, (n,) N·m, as there. Where masses
+        explain no such share, or what is described has changed its sign, or doubled, as much."""
         if weighed is not None:
-            self._described[weighed] = described[weighed]
-        held = carried(self.thought, self._described, described)
+            self._told[:, weighed] = self.thought[weighed], described[weighed]
+        told, there = self._told
+        share, masses = share_of(told, there)
+        along = masses & (np.abs(described - there) <= np.abs(there)) | (told == there)
+        held = np.where(along, share * described, told)
         for axis in set(range(len(held))) - (self._free or set()):
             self.thought[axis] = held[axis]
             self._bear(axis, float(held[axis]))
@@ -404,6 +409,7 @@ class TorquePath:
         self._places.restart(self.q)
         self._stood.restart()
         self._falls.restart()
+        self._told = np.stack([self.thought, self._described])
         self._untouched, self._caught, self.fell = True, {}, {}
         self._alone, self._last_alone, self._free, self._tried_alone = None, None, None, False
         self._again, self._borne, self._trials = None, False, [Trials() for _ in self._trials]

@@ -326,6 +326,9 @@ def test_what_was_told_goes_along_as_others_move(arm):
     assert path.thought == pytest.approx([3.0, 6.0])
     path.take_along(np.array([1.5, 1.0]), None)
     assert path.thought == pytest.approx([3.0, 3.0])
+    path.take_along(np.array([-0.1, 1.0]), None)
+    assert path.thought == pytest.approx([2.0, 3.0]), "a description near zero is all error"
+    path.take_along(np.array([1.5, 1.0]), None)
     path.try_alone([0])
-    path.take_along(np.array([1.0, 1.0]), None)
-    assert path.thought == pytest.approx([3.0, 3.0])
+    path.take_along(np.array([1.0, 1.5]), None)
+    assert path.thought == pytest.approx([3.0, 4.5])
