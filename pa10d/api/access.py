@@ -16,8 +16,10 @@ from urllib.parse import parse_qs, urlsplit
 
 from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
+from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from pa10d.api import stop_page
 from pa10d.api.assets import AHEAD_HASH
 from pa10d.api.problems import problem_response
 from pa10d.common.errors import UserError
@@ -28,6 +30,7 @@ BODY = 1 << 20  # bytes of any request but an upload
 UPLOAD = 512 << 20
 UPLOADS = ("/api/v1/runs", "/api/v1/recordings")  # POST to these carries a file
 OPEN = ("/healthz",)
+STOPS = ("/api/v1/robot/stop", stop_page.PATH)  # whoever may look may stop
 REACH = "pa10d.reach"  # where a request carries how far its token reaches
 
 
@@ -73,7 +76,10 @@ class AccessMiddleware:
             await send({"type": "websocket.close", "code": 1008, "reason": refusal[1][:120]})
         else:
             kind, detail, more = refusal
-            response = problem_response(kind, detail, scope["path"], **more)
+            if kind == "token" and scope["path"] == stop_page.PATH:
+                response: Response = stop_page.not_heard()
+            else:
+                response = problem_response(kind, detail, scope["path"], **more)
             await response(scope, receive, send)
 
     def _refusal(self, scope: Scope, headers: Headers) -> tuple[str, str, dict[str, str]] | None:
@@ -154,7 +160,7 @@ def needed_scope(scope: Scope) -> str:
     """look for reading, command for the rest, admin for what destroys or changes limits and gains;
     stop is for everyone."""
     path, method = scope["path"], scope.get("method", "GET")
-    if method in ("GET", "HEAD", "OPTIONS") or path == "/api/v1/robot/stop":
+    if method in ("GET", "HEAD", "OPTIONS") or path in STOPS:
         return "look"
     room, last = path.split("/")[3:4], path.rstrip("/").rpartition("/")[2]
     destroys = method == "DELETE" and room in (["runs"], ["models"])

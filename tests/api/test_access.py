@@ -212,6 +212,17 @@ def test_tokens_reach_as_far_as_they_say(guarded):
     refused(ask("POST", "/api/v1/weighings", "mover"), 422, "invalid")
 
 
+def test_stop_pressed_before_its_script_is_there_says_that_nobody_heard(guarded):
+    """A plain form shows no token: a bare refusal would leave the user with a moving arm."""
+    made = guarded.post("/api/v1/robot/stop-page")
+    assert made.status_code == 401
+    assert made.headers["content-type"].startswith("text/html")
+    assert "STOP WAS NOT HEARD" in made.text
+    assert "Press the hardware emergency stop" in made.text
+    made = guarded.post("/api/v1/robot/stop-page", headers={"Authorization": "Bearer seer"})
+    assert "Stop was heard" in made.text
+
+
 def test_replacing_takes_away_and_needs_what_deleting_needs(guarded):
     def ask(path, token, **more):
         headers = {"Authorization": f"Bearer {token}"}

@@ -7,6 +7,7 @@ import shutil
 from dataclasses import replace
 from importlib import import_module
 from itertools import count
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ from pa10d.profile import load_profile
 from pa10d.profile.load import find_profile
 from pa10d.services.documents import SCHEMAS
 from pa10d.services.tuning import ProfileDifference, own_profile, show, undo, versions, write
+from pa10d.services.tuning.versions import digest, folder_of
 from pa10d.services.weighing import work
 from pa10d.services.weighing.apply import apply_gains, undo_gains
 from pa10d.services.weighing.archive import Weighings
@@ -294,6 +296,27 @@ def test_what_was_edited_by_hand_since_is_not_undone(recorded, mine, tmp_path):
     mine.write_text(mine.read_text() + "# by hand\n")
     with pytest.raises(UserError, match="changed since the gains were written"):
         undo_gains(str(data), "w")
+
+
+def test_what_is_no_profile_is_not_written_whatever_a_weighing_names(recorded, mine, tmp_path):
+    """A data folder from elsewhere may bring a version of any file whose text it knows."""
+    data = shutil.copytree(recorded, tmp_path / "data")
+    state = Weighings(data).find("w")
+    state.profile = str(mine)
+    Weighings(data).save(state)
+    apply_gains(str(data), "w", [2])
+    known = tmp_path / "crontab.yaml"
+    known.write_text("daily: backup\n")
+    state = Weighings(data).find("w")
+    brought = folder_of(data, known)
+    for file in folder_of(data, Path(state.applied.profile)).glob("*.json"):
+        edit = json.loads(file.read_text()) | {"after": digest(known.read_text())}
+        (brought / file.name).write_text(json.dumps(edit))
+    state.applied = replace(state.applied, profile=str(known))
+    Weighings(data).save(state)
+    with pytest.raises(UserError, match="crontab"):
+        undo_gains(str(data), "w")
+    assert known.read_text() == "daily: backup\n"
 
 
 def test_a_gain_puts_commands_and_readings_right_and_leaves_the_drive_as_it_is():

@@ -8,6 +8,7 @@ from typing import Annotated
 from fastapi import APIRouter, Header
 from fastapi.responses import HTMLResponse, Response
 
+from pa10d.api import stop_page
 from pa10d.api.assets import Assets
 from pa10d.api.deps import TheDaemon
 from pa10d.api.problems import Problem
@@ -15,16 +16,6 @@ from pa10d.api.routes.robot import stop
 
 router = APIRouter(include_in_schema=False)
 assets = Assets()
-HEARD = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><meta name="color-scheme" content="light dark">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Stop was heard</title></head>
-<body style="font: 20px/1.5 sans-serif; margin: 2em"><h1>Stop was heard</h1>
-<p>The arm is {state}.{advice}</p>
-<form method="post"><button style="font: inherit; font-weight: 700; color: #fff;
-background: #c8102e; padding: 10px 30px">STOP</button></form><p><a href="/">Back to the page</a></p>
-</body></html>
-"""
 QUIET = 1.0  # s without a sign of life of the control process: what it said last is not sure
 FOREVER = "public, max-age=31536000, immutable"
 
@@ -38,14 +29,13 @@ async def page(daemon: TheDaemon) -> HTMLResponse:
     return HTMLResponse(text, headers={"Cache-Control": "no-cache"})
 
 
-@router.post("/api/v1/robot/stop-page")
+@router.post(stop_page.PATH)
 async def stop_without_script(daemon: TheDaemon) -> HTMLResponse:
     """The stop button's plain form, for the moment before its script is there, and without one."""
     told = await stop(daemon)
     state = told.state
     rest = state in ("holding", "inactive", "fault") and told.quiet <= QUIET
-    advice = "" if rest else " If the arm moves, press the hardware emergency stop."
-    return HTMLResponse(HEARD.format(state=state, advice=advice))
+    return stop_page.heard(state, rest)
 
 
 @router.get("/favicon.ico")

@@ -85,6 +85,7 @@ def undo_gains(data: str, weighing: str) -> ChangedProfile:
     path, number = Path(state.applied.profile), state.applied.version
     folder = folder_of(data, path)
     with locked(folder):
+        load_profile(path)  # a weighing from elsewhere may name any file
         made = next((one for one in versions_in(folder, path) if one.number == number), None)
         if made is None or digest(read_yaml(path).text) != made.after:
             listed = ", ".join(f"drive {j}: {g:g}" for j, g in state.applied.gains.items())
