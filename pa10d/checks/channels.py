@@ -83,8 +83,8 @@ def check_limits(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
         label, share = joint_label(j, robot.joint_names), float(limit.at.mean())
         bound = "no higher" if limit.largest else "no lower"
         yield _cut_off(
-            f"{label}: the torque comes to {bound} than {limit.level:.4g} {unit}, again and again, "
-            f"where the motion asks for more, in {percent(share)} of the samples: it is clipped",
+            f"{label}: the torque comes to {bound} than {limit.level:.4g} {unit}, where the motion "
+            f"asks for more, in {percent(share)} of the samples: it is clipped",
             share,
             j,
         )
