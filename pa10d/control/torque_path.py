@@ -246,7 +246,9 @@ class TorquePath:
             return False
         thought, most = float(self.thought[axis]), float(self._heaviest[axis])
         told = self._falls.weighed(axis, thought, most, self._presumed(axis))
-        if told is None and max(far / FELL, fast / BARELY) >= 2.0:
+        if (
+            told is None and slides and self.rise[axis] <= 0.0
+        ):  # else its torque may act the wrong way
             told = in_vain(thought, float(self.sent[axis]))
         found = trials.next(fell, told)
         if found is None:

@@ -10,6 +10,7 @@ from arms import PERIOD, cycles, limits, servo, swing, until
 from fake_backend import FakeBackend, Flywheels
 
 from pa10d.control.arm import ALONE_AFTER, NEAR, Arm
+from pa10d.control.fall import Driven
 from pa10d.control.faults import Fault, LoopFault
 from pa10d.control.joint_figures import presumed_figures
 from pa10d.control.journal import Journal
@@ -332,3 +333,18 @@ def test_what_was_told_goes_along_as_others_move(arm):
     path.try_alone([0])
     path.take_along(np.array([1.0, 1.5]), None)
     assert path.thought == pytest.approx([3.0, 4.5])
+
+
+@pytest.mark.parametrize(("before", "again"), [(0.1, True), (0.05, False)])
+def test_one_that_gets_faster_and_tells_nothing_is_given_no_more(arm, monkeypatch, before, again):
+    """Its torque may act the wrong way round; one that slides on is not held by enough."""
+    path = arm.path
+    path.power_up(np.array([2.0, 6.0]))
+    path.try_alone([0])
+    monkeypatch.setattr(path._falls, "driven", lambda axis: Driven(1.9, 0.5))
+    monkeypatch.setattr(path._falls, "weighed", lambda *_: None)
+    path.exit.sent[0] = 1.9
+    path.q[0] += 0.5 * limits().following_error[0]
+    path.dq[0], path._dq_before[0] = 0.1, before
+    assert path.try_alone([0]) is again
+    assert path.thought[0] == pytest.approx(1.8 if again else 2.0)
