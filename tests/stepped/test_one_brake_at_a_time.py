@@ -266,7 +266,7 @@ def test_a_first_try_of_each_alone_that_tells_nothing_is_not_the_last(world):
         assert arm.fault.alone_next == again
 
 
-@pytest.mark.by_default("0.4")
+@pytest.mark.long
 @pytest.mark.parametrize("believed", [0.4, 2.0])
 def test_a_joint_is_weighed_before_it_falls(make_world, believed):
     """Short trials that its brake ends, in place of falls that are faults; what its URDF says of it
