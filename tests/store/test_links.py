@@ -48,9 +48,9 @@ def _reopened(folder):
     return RunStore(folder.parents[1])
 
 
-@pytest.mark.parametrize("name", [f"run{CUT}", f".run.json.{os.getpid()}"])
+@pytest.mark.parametrize("name", [f"run{CUT}", ".run.json.{pid}"])
 def test_a_repair_does_not_write_through_a_link(torn, victim, name):
-    (torn / name).symlink_to(victim)
+    (torn / name.format(pid=os.getpid())).symlink_to(victim)
     (info,) = _reopened(torn).repaired
     assert info.repaired
     assert victim.read_text() == PRECIOUS
