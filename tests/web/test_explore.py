@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import httpx
 import numpy as np
 import pytest
@@ -33,6 +35,29 @@ def page(archive, visit):
 
 def reading(page) -> str:
     return page.locator("#explore [role=status]", has_text="samples").inner_text()
+
+
+def test_an_arm_that_comes_late_stands_where_the_cursor_is(archive, visit):
+    """It stood at the beginning, "the arm at the cursor", until the cursor moved again."""
+    visitor, late = visit(archive[0]), []
+    visitor.page.route("**/*points=2400*", lambda route: late.append(route))
+    visitor.open("explore")
+    page = visitor.page
+    page.get_by_text("Recordings", exact=True).click()
+    page.get_by_label("train_a").check()
+    page.keyboard.press("Escape")
+    page.locator("#explore .chart canvas").nth(1).wait_for()
+    until(page, DRAWN)
+    box = page.locator("#explore .u-over").first.bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 30)
+    until(page, f"Math.abs(Number({LEGEND}) - 30) < 0.3")
+    end = time.monotonic() + 30
+    while not late:
+        assert time.monotonic() < end, "nobody asks for the arm's motion"
+        page.wait_for_timeout(50)
+    late[0].continue_()
+    until(page, f"Math.abs({ARM} - 30) < 0.3")
+    assert not visitor.errors
 
 
 def test_one_zoom_and_one_cursor_for_all_plots(page):

@@ -10,7 +10,7 @@ export function replay(label = "The arm at the cursor") {
   const play = el("button", { type: "button", class: "small", "aria-label": "play the recording", disabled: true }, "▶ Play");
   const slider = el("input", { type: "range", min: 0, max: 1, step: "any", value: 0, class: "grow", "aria-label": "time in the recording, s" });
   const view = armView(label, el("div", { class: "row player" }, play, slider));
-  let track = null, timer = null, asked = 0;
+  let track = null, timer = null, asked = 0, pointed = 0;
   const point = (seconds) => {
     if (!track) return;
     const { time, columns } = track, last = time.length - 1;
@@ -36,7 +36,10 @@ export function replay(label = "The arm at the cursor") {
   slider.addEventListener("input", () => { halt(); point(Number(slider.value)); });
   return {
     box: view.box,
-    point(seconds) { if (!timer) point(seconds); },
+    point(seconds) {
+      pointed = seconds;
+      if (!timer) point(seconds);
+    },
     light: (lit) => view.show({ lit }),
     async open(query, name, joints) {
       const mine = ++asked;
@@ -50,7 +53,7 @@ export function replay(label = "The arm at the cursor") {
       slider.max = time.at(-1);
       play.disabled = false;
       view.show({ name: `${label}: ${name}` });
-      point(0);
+      point(Math.min(Math.max(pointed, time[0]), time.at(-1))); // where the cursor went as it came
     },
   };
 }
