@@ -40,6 +40,7 @@ def test_samples_read_at_equal_steps_are_put_there(seed, scatter, missing, noise
         assert np.abs(found - even).max() < 0.1 * scatter / RATE
 
 
+@pytest.mark.long
 @given(st.integers(0, 10_000), st.floats(0.02, 0.35), st.integers(0, 40), st.floats(1e-7, 1e-2))
 @settings(max_examples=4, deadline=None)
 def test_samples_read_late_keep_their_stamps(seed, scatter, missing, noise):

@@ -188,6 +188,7 @@ def test_a_few_bad_samples_make_a_fit_poorer_and_many_make_it_wrong(robot):
     assert clipped.severity == "warning"
 
 
+@pytest.mark.long
 def test_a_motor_that_turns_on_and_on_is_not_in_degrees(shared_data):
     from pa10d.dynamics import robot_from_urdf
     from pa10d.store.csv_import import read_csv

@@ -88,6 +88,7 @@ def test_a_stop_that_only_the_held_out_runs_touch():
     assert "lies where q1 is above" in line.sentence
 
 
+@pytest.mark.long
 def test_a_change_where_the_runs_that_it_is_sought_in_have_not_been():
     """A stop that only the held-out runs touch: of a frozen model's error it was said that it lies
     where the joint brakes hard."""

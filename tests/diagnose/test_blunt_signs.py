@@ -27,6 +27,7 @@ def found_in(peak: float) -> Diagnosis:
     return diagnose(textbook(runs), fit, held)
 
 
+@pytest.mark.long
 def test_a_blunt_sign_is_no_effect_that_is_missing():
     found = found_in(0.0)
     assert (found.verdict, found.findings) == ("none", ())

@@ -22,6 +22,7 @@ SINCE = ("sin_time_square_kp200", "sin_sin_kp400")
 ROSE = 0.224  # N·m
 
 
+@pytest.mark.long
 def test_what_a_model_leaves_open_of_its_own_is_not_open_of_a_change():
     """Both have one name: a base that leant by 0.037 ± 0.003 rad more was "not determined", since
     the tilt that the model had already was, and the search dropped it."""

@@ -110,6 +110,7 @@ def damped(t, q, dq, ddq):
     )
 
 
+@pytest.mark.long
 def test_bristles_that_are_damped():
     """Without their damping they left a joint at 1.4 times its noise, which nothing explained."""
     runs = recordings(4, damped, 0.02)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 import scipy.signal
 from small_machines import machine
 
@@ -27,6 +28,7 @@ def with_bump(run):
     return replace(run, tau=tau)
 
 
+@pytest.mark.long
 def test_a_bump_that_would_spoil_reversals_is_named_with_the_shape_that_they_agree_with():
     """Fitted clear of them alone its peak came out higher, which made them worse, and it was
     refused: the real joint's friction of other kinds had drawn the foot to it."""

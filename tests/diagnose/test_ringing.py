@@ -40,6 +40,7 @@ def test_a_liquid_is_told_by_its_frequency():
     assert "swings on by itself" in found.remaining[1].sentence
 
 
+@pytest.mark.long
 def test_nothing_rings_in_a_clean_arm():
     found = told(0.0, 1.1)
     assert found.verdict == "none"

@@ -45,6 +45,7 @@ def test_what_only_fast_reversals_saw_is_extrapolated(pendulum):
     assert str(made.term_values(len(made.terms) - 1)["Fs"]) == "not determined"
 
 
+@pytest.mark.long
 def test_what_was_seen_whole_is_not(pendulum):
     slow = [recording(1, 0.3), recording(2, 0.3)]
     model = identify(slow[:1], pendulum, name="m")

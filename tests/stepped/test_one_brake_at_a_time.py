@@ -29,7 +29,7 @@ def opens_alone(arm, monkeypatch) -> list[bool]:
     return alone
 
 
-@pytest.mark.by_default("0-1")
+@pytest.mark.long
 @pytest.mark.parametrize(("weighed", "falls"), [(2, ALONE_AFTER), (0, 1)])
 def test_after_some_falls_each_brake_opens_alone_before_all_do(world, weighed, falls):
     """Or after one that told nothing: several joints fell at once."""
