@@ -12,22 +12,25 @@ _PAGE = """<!doctype html>
 <title>{title}</title></head>
 <body style="font: 20px/1.5 sans-serif; margin: 2em"><h1>{title}</h1>
 <p>{text}</p>
-<form method="post"><button style="font: inherit; font-weight: 700; color: #fff;
-background: #c8102e; padding: 10px 30px">STOP</button></form><p><a href="/">Back to the page</a></p>
+{again}<p><a href="/">Back to the page</a></p>
 </body></html>
 """
+_AGAIN = """<form method="post"><button style="font: inherit; font-weight: 700; color: #fff;
+background: #c8102e; padding: 10px 30px">STOP</button></form>"""
 
 
 def heard(state: str, at_rest: bool) -> HTMLResponse:
     """state: of the arm, as control said it last."""
     advice = "" if at_rest else " If the arm moves, press the hardware emergency stop."
-    return HTMLResponse(_PAGE.format(title="Stop was heard", text=f"The arm is {state}.{advice}"))
+    text = f"The arm is {state}.{advice}"
+    return HTMLResponse(_PAGE.format(title="Stop was heard", text=text, again=_AGAIN))
 
 
 def not_heard() -> HTMLResponse:
-    """A plain form has no token to send."""
+    """A plain form has no token to send, so that none is offered."""
     text = (
         "Press the hardware emergency stop. This daemon obeys who shows a token, and only the "
         "page's script can: go back, wait until the page is whole, and press Stop there."
     )
-    return HTMLResponse(_PAGE.format(title="STOP WAS NOT HEARD", text=text), status_code=401)
+    page = _PAGE.format(title="STOP WAS NOT HEARD", text=text, again="")
+    return HTMLResponse(page, status_code=401)

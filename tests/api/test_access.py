@@ -219,8 +219,10 @@ def test_stop_pressed_before_its_script_is_there_says_that_nobody_heard(guarded)
     assert made.headers["content-type"].startswith("text/html")
     assert "STOP WAS NOT HEARD" in made.text
     assert "Press the hardware emergency stop" in made.text
+    assert "<form" not in made.text, "nobody would hear it either"
     made = guarded.post("/api/v1/robot/stop-page", headers={"Authorization": "Bearer seer"})
     assert "Stop was heard" in made.text
+    assert "<form" in made.text
 
 
 def test_replacing_takes_away_and_needs_what_deleting_needs(guarded):
