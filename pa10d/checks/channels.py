@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from pa10d.checks.finding import CheckFinding, Mend, joint_label, percent
 from pa10d.checks.held import held_runs
 from pa10d.dynamics import Robot
-from pa10d.measurement.clipped import is_moving, limits, stretches
+from pa10d.measurement.clipped import is_moving, limits
 from pa10d.measurement.recording import Recording
+from pa10d.measurement.spans import spans
 from pa10d.measurement.standstill import NEVER_MOVES
 from pa10d.regression.noisy_limits import noisy_limits
 
@@ -121,7 +122,7 @@ def _dull(
     if len(values) < 2:
         return
     most = int(np.argmax(counts))
-    stays = len(stretches((tau == values[most]) & moving))
+    stays = len(spans((tau == values[most]) & moving))
     if 0 < most < len(values) - 1 and counts[most] > DULL * moving.sum() and stays > OFTEN:
         step = float(np.diff(values[most - 1 : most + 2]).min())
         yield CheckFinding(
@@ -145,9 +146,9 @@ def _frozen(
     extreme = (tau == tau.max()) | (tau == tau.min())
     step = _step(tau, same)
     runs = [
-        (k, length)
-        for k, length in stretches(same & ~extreme)
-        if length >= least and _jump(tau, k - 1, k + length) > 1.5 * step
+        (int(k), int(end - k))
+        for k, end in spans(same & ~extreme)
+        if end - k >= least and _jump(tau, k - 1, end) > 1.5 * step
     ]
     constant = np.ptp(tau) == 0
     if constant or runs:
@@ -166,7 +167,7 @@ def _frozen(
 def _step(tau: Array, same: NDArray[np.bool_]) -> float:
     """Between neighbouring ones of the values that the torque comes to stand at again and again:
     the steps of a coarse channel. 0 where it has none; what a logger repeats has no such values."""
-    stood = np.array([tau[k] for k, _ in stretches(same)])
+    stood = tau[spans(same)[:, 0]]
     values, times = np.unique(stood, return_counts=True)
     levels = values[times > 1]
     return float(np.median(np.diff(levels))) if len(levels) > 2 else 0.0

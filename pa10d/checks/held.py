@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pa10d.checks.finding import CheckFinding, joint_label, percent
 from pa10d.measurement.recording import Recording
+from pa10d.measurement.spans import spans
 
 Array = NDArray[np.float64]
 Runs = list[tuple[int, int]]  # index of the sample that is repeated, how often
@@ -96,5 +97,5 @@ def held_runs(q: Array) -> Runs:
 
 def _zeros(steps: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Where steps are none at all: first of each run, and how many."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], (steps == 0).astype(np.int8), [0]])))
-    return edges[::2], edges[1::2] - edges[::2]
+    first, end = spans(steps == 0).T
+    return first, end - first

@@ -29,9 +29,7 @@ Array = NDArray[np.float64]
 
 BUMPLESS = 0.02  # of the torque limit, by which another control law may change the torque
 FIRST_SECONDS = 2.0  # s of being held in which a torque of the wrong sign would show
-BARELY = (
-    0.15  # of its speed limit, with which a brake catches it: far less than it may have (ALONE)
-)
+BARELY = 0.15  # of its speed limit, with which a brake catches it: far less than ALONE allows
 FELL = 0.2  # of the following error that is allowed: such a joint was not held by what was thought
 SOFT = 0.5  # of the bandwidth, for stopping an arm that swings
 CREEPS, STOOD = 0.02, 0.2  # rad/s, slower than which for so many s a joint counts as held
@@ -246,9 +244,8 @@ class TorquePath:
             return False
         thought, most = float(self.thought[axis]), float(self._heaviest[axis])
         told = self._falls.weighed(axis, thought, most, self._presumed(axis))
-        if (
-            told is None and slides and self.rise[axis] <= 0.0
-        ):  # else its torque may act the wrong way
+        slower = self.rise[axis] <= 0.0  # or its torque may act the wrong way
+        if told is None and slides and slower:
             told = in_vain(thought, float(self.sent[axis]))
         found = trials.next(fell, told)
         if found is None:

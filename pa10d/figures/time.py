@@ -19,6 +19,7 @@ from pa10d.figures.plotly import (
     line,
 )
 from pa10d.judgement.residuals import RunResidual
+from pa10d.measurement.spans import spans
 
 Array = NDArray[np.float64]
 Span = tuple[float, float]
@@ -131,10 +132,5 @@ def pauses(
     counts: NDArray[np.bool_], dt: float, shortest: float = SHORTEST
 ) -> list[tuple[float, float]]:
     """(begin, end) s of the stretches that do not count and are long enough to be seen."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], (~counts).astype(np.int8), [0]])))
     least = shortest * len(counts)
-    return [
-        (float(a * dt), float(b * dt))
-        for a, b in zip(edges[::2], edges[1::2], strict=True)
-        if b - a >= least
-    ]
+    return [(float(a * dt), float(b * dt)) for a, b in spans(~counts) if b - a >= least]

@@ -33,6 +33,7 @@ from pa10d.judgement.extrapolated import extrapolated
 from pa10d.judgement.repeats import differences
 from pa10d.judgement.residuals import RunResidual
 from pa10d.judgement.scores import moving, scores
+from pa10d.measurement.spans import spans
 from pa10d.regression.equation import motion_band
 
 Array = NDArray[np.float64]
@@ -273,11 +274,10 @@ def _at_rest(run: RunResidual, joint: int) -> _Seen:
     settle = run.equation.lowpass.settle
     q = run.decimated(run.seen.q)[:, joint]
     reach = STILL * float(np.ptp(q))
-    still = ~run.equation.moving.any(axis=1)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(np.int8), [0]])))
+    still = np.asarray(~run.equation.moving.any(axis=1))
     length = max(8, round(WINDOW * run.equation.rate / run.equation.lowpass.cutoff))
     variances = []
-    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+    for start, stop in spans(still):
         start, stop = start + settle, stop - settle  # the filter still sees the motion there
         if stop - start < REST * run.equation.rate or np.ptp(q[start:stop]) > reach:
             continue

@@ -18,6 +18,7 @@ import scipy
 from numpy.typing import NDArray
 
 from pa10d.judgement.residuals import RunResidual
+from pa10d.measurement.spans import spans
 
 Array = NDArray[np.float64]
 
@@ -59,8 +60,7 @@ def _strokes(run: RunResidual, joint: int) -> Iterator[tuple[float, float]]:
     judged, moves = run.judged[:, joint], run.counts[:, joint]
     error = run.error[:, joint]
     width = int(np.ceil(run.equation.rate / run.equation.lowpass.cutoff))
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], judged.astype(int), [0]])))
-    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+    for start, stop in spans(judged):
         turned = start > 0 and moves[start - 1]  # and not: the run began, or it had rested
         if turned and stop - start >= PARTS * width:
             at = (start + stop - width) // 2

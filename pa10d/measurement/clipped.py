@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.measurement.spans import spans
+
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
@@ -48,7 +50,8 @@ def limits(q: Array, tau: Array) -> Iterator[Limit]:
         at = values >= top - ROUNDED * span
         below = values[~at]
         beside = int(np.sum(below >= below.max() - ROUNDED * span))
-        held = sum(length for _, length in stretches(at & moving) if length >= STAYS)
+        stays = np.diff(spans(at & moving))
+        held = int(stays[stays >= STAYS].sum())
         if held >= FEWEST and held > DWELLS * beside:
             yield Limit(side * top, side > 0, at, held)
 
@@ -68,9 +71,3 @@ def is_moving(q: Array) -> Flags:
     span = np.abs(q[2 * reach :] - q[: len(q) - 2 * reach])
     fast = span > max(MOVING * float(np.quantile(span, 0.99)), 1e-12)
     return np.concatenate([fast[:1].repeat(reach), fast, fast[-1:].repeat(reach)])
-
-
-def stretches(flags: Flags) -> list[tuple[int, int]]:
-    """First index and length, wherever ``flags`` (N,) is True without a break."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(np.int8), [0]])))
-    return [(int(a), int(b - a)) for a, b in zip(edges[::2], edges[1::2], strict=True)]

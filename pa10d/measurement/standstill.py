@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.measurement.signals import Lowpass
+from pa10d.measurement.spans import spans
 
 Array = NDArray[np.float64]
 
@@ -102,8 +103,7 @@ def stops(dq: Array, rate: float, fast: Array | None = None) -> list[NDArray[np.
     for j, limit in enumerate(limits):
         slow = np.abs(dq[:, j]) < limit
         slow[1:] |= np.diff(np.sign(dq[:, j])) != 0
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], slow.astype(np.int8), [0]])))
-        out.append(edges.reshape(-1, 2))
+        out.append(spans(slow))
     return out
 
 

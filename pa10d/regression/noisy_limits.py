@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 
 from pa10d.dynamics import Robot
 from pa10d.effects.base import smooth_sign
-from pa10d.measurement.clipped import FEWEST, stretches
+from pa10d.measurement.clipped import FEWEST
 from pa10d.measurement.recording import Recording
+from pa10d.measurement.spans import spans
 from pa10d.regression.equation import RunEquation, prepare
 from pa10d.regression.layout import textbook
 
@@ -136,12 +137,12 @@ def _top(values: Array, rate: float, times: int = SEPARATE) -> _Top | None:
     if not 0.0 < band < NARROW * float(np.ptp(mean)):
         return None
     at = mean >= mean.max() - band
-    long = [(k, n) for k, n in stretches(at) if n >= over]
-    if len(long) < times or sum(n for _, n in long) < FEWEST * over * times // SEPARATE:
+    long = [(k, end) for k, end in spans(at) if end - k >= over]
+    if len(long) < times or np.diff(long).sum() < FEWEST * over * times // SEPARATE:
         return None
     out = np.zeros(len(values), dtype=bool)
-    for k, n in long:
-        out[max(0, k - over) : k + n + over] = True
+    for k, end in long:
+        out[max(0, k - over) : end + over] = True
     level = float(values[at].mean())
     return _Top(out, level, band, level - LOWEST * noise)
 
@@ -179,9 +180,9 @@ def _friction(run: RunEquation, j: int) -> Array:
 
 def _is_limit(top: _Top, asked: Array, error: Array, factor: int) -> bool:
     """Does the motion ask for more, and for different amounts, where the torque is at its top?"""
-    inner = [(k, n) for k, n in stretches(top.at[::factor][: len(asked)])]
+    inner = spans(top.at[::factor][: len(asked)])
     if len(inner) < SEPARATE:
         return False
-    beyond = np.concatenate([(asked / error)[k : k + n] for k, n in inner])
-    most = np.array([asked[k : k + n].max() for k, n in inner])
+    beyond = np.concatenate([(asked / error)[k:end] for k, end in inner])
+    most = np.array([asked[k:end].max() for k, end in inner])
     return bool(np.mean(beyond > BEYOND) > 0.5 and np.ptp(most) > ASKED * top.band)

@@ -21,6 +21,7 @@ import scipy.ndimage
 from numpy.typing import NDArray
 
 from pa10d.measurement.signals import Lowpass, through_channel
+from pa10d.measurement.spans import spans
 from pa10d.measurement.standstill import near, stops
 
 Array = NDArray[np.float64]
@@ -52,14 +53,14 @@ def below_limits(clipped: NDArray[np.bool_], lowpass: Lowpass, shift: float = 0.
     if not clipped.any():
         return None
     reach = _remembered(lowpass) + int(np.ceil(abs(shift) * lowpass.rate))
-    wide = [near(_edges(clipped[:, j]), len(clipped), reach) for j in range(clipped.shape[1])]
+    wide = [near(spans(clipped[:, j]), len(clipped), reach) for j in range(clipped.shape[1])]
     return _away_from(np.stack(wide, axis=1), lowpass)
 
 
 def rung_by(factor: Array, lowpass: Lowpass) -> NDArray[np.bool_]:
     """(M, n) near where such a factor (N, n) is not 1, as far as the plain low-pass rings."""
     reach = lowpass.settle * lowpass.factor
-    wide = [near(_edges(one < 1.0), len(one), reach) for one in factor.T]
+    wide = [near(spans(one < 1.0), len(one), reach) for one in factor.T]
     return np.stack(wide, axis=1)[:: lowpass.factor]
 
 
@@ -67,12 +68,6 @@ def _remembered(lowpass: Lowpass) -> int:
     """Samples for which a torque channel has not forgotten yet."""
     channel = lowpass.channel
     return 0 if channel is None else int(np.ceil(SETTLED * channel.delay * lowpass.rate))
-
-
-def _edges(flags: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """(k, 2): begin and end, wherever flags (N,) are True without a break."""
-    found = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(np.int8), [0]])))
-    return found.reshape(-1, 2)
 
 
 def _away_from(out: NDArray[np.bool_], lowpass: Lowpass) -> Array:

@@ -8,9 +8,9 @@ import pytest
 from pa10d.checks import beyond_limits, check_recording, estimate_delay
 from pa10d.checks.delay import check_delay
 from pa10d.dynamics import inverse_dynamics, robot_from_profile
-from pa10d.measurement.clipped import stretches
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.sampling import analyse
+from pa10d.measurement.spans import spans
 from pa10d.profile import load_profile
 
 RATE = 500.0
@@ -223,7 +223,7 @@ def test_a_coarse_sensor_that_dwells_is_not_frozen(robot):
     step = 0.1 * np.abs(sound.tau).max(axis=0)
     coarse = np.round(sound.tau / step) * step
     same = np.diff(coarse, axis=0) == 0
-    assert max(n for j in range(7) for _, n in stretches(same[:, j])) > 0.25 * RATE
+    assert max(np.diff(spans(same[:, j])).max() for j in range(7)) > 0.25 * RATE
     found = check_recording(_but(sound, tau=lambda _: coarse), None, robot, delay=False)
     assert "frozen" not in _codes(found)
     held = coarse.copy()

@@ -11,8 +11,9 @@ from two_links import COULOMB, CUTOFF, motion, recordings, robot, textbook
 from pa10d.checks import check_recording
 from pa10d.diagnose.procedure import diagnose
 from pa10d.judgement import judge
-from pa10d.measurement.clipped import clipped, stretches
+from pa10d.measurement.clipped import clipped
 from pa10d.measurement.recording import Recording
+from pa10d.measurement.spans import spans
 from pa10d.regression.equation import prepare
 from pa10d.regression.noisy_limits import noisy_limits, with_limits
 
@@ -103,9 +104,9 @@ def test_a_limit_that_noise_hides_is_seen_by_what_the_motion_asks_for():
 def test_the_other_end_may_be_come_to_once():
     """The same torque the other way is a limit, too, though nobody could tell by itself."""
     exact = recordings(1, noise=0.0)["valid_b"]
-    ((first, length),) = stretches(exact.tau[:, 0] > TOP)
+    ((first, end),) = spans(exact.tau[:, 0] > TOP)
     at = with_limits(noisily_cut(exact, 0.05, 1), robot()).clipped[:, 0]
-    assert at[first : first + length].mean() > 0.97
+    assert at[first:end].mean() > 0.97
 
 
 @pytest.mark.parametrize(

@@ -18,9 +18,8 @@ DRAWN = "!document.querySelector('#explore .chart[data-waiting]')"
 LEGEND = "document.querySelector('#explore .u-legend .u-value').textContent"
 
 
-@pytest.fixture
-def page(archive, visit):
-    visitor = visit(archive[0])
+def plotted(visitor):
+    """Its page, once a recording is drawn."""
     visitor.open("explore")
     page = visitor.page
     page.get_by_text("Recordings", exact=True).click()
@@ -28,7 +27,13 @@ def page(archive, visit):
     page.keyboard.press("Escape")
     page.locator("#explore .chart canvas").nth(1).wait_for()
     until(page, DRAWN)
-    yield page
+    return page
+
+
+@pytest.fixture
+def page(archive, visit):
+    visitor = visit(archive[0])
+    yield plotted(visitor)
     assert not visitor.errors
     assert not visitor.foreign()
 
@@ -41,13 +46,7 @@ def test_an_arm_that_comes_late_stands_where_the_cursor_is(archive, visit):
     """It stood at the beginning, "the arm at the cursor", until the cursor moved again."""
     visitor, late = visit(archive[0]), []
     visitor.page.route("**/*points=2400*", lambda route: late.append(route))
-    visitor.open("explore")
-    page = visitor.page
-    page.get_by_text("Recordings", exact=True).click()
-    page.get_by_label("train_a").check()
-    page.keyboard.press("Escape")
-    page.locator("#explore .chart canvas").nth(1).wait_for()
-    until(page, DRAWN)
+    page = plotted(visitor)
     box = page.locator("#explore .u-over").first.bounding_box()
     page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 30)
     until(page, f"Math.abs(Number({LEGEND}) - 30) < 0.3")

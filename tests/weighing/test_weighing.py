@@ -287,24 +287,26 @@ def test_the_daemon_of_another_profile_is_left_alone(
     assert mine.read_text() != before
 
 
-def test_what_was_edited_by_hand_since_is_not_undone(recorded, mine, tmp_path):
+@pytest.fixture
+def applied(recorded, mine, tmp_path):
+    """A data folder whose weighing has put a gain into a profile of one's own."""
     data = shutil.copytree(recorded, tmp_path / "data")
     state = Weighings(data).find("w")
     state.profile = str(mine)
     Weighings(data).save(state)
     apply_gains(str(data), "w", [2])
+    return data
+
+
+def test_what_was_edited_by_hand_since_is_not_undone(applied, mine):
     mine.write_text(mine.read_text() + "# by hand\n")
     with pytest.raises(UserError, match="changed since the gains were written"):
-        undo_gains(str(data), "w")
+        undo_gains(str(applied), "w")
 
 
-def test_what_is_no_profile_is_not_written_whatever_a_weighing_names(recorded, mine, tmp_path):
+def test_what_is_no_profile_is_not_written_whatever_a_weighing_names(applied, tmp_path):
     """A data folder from elsewhere may bring a version of any file whose text it knows."""
-    data = shutil.copytree(recorded, tmp_path / "data")
-    state = Weighings(data).find("w")
-    state.profile = str(mine)
-    Weighings(data).save(state)
-    apply_gains(str(data), "w", [2])
+    data = applied
     known = tmp_path / "crontab.yaml"
     known.write_text("daily: backup\n")
     state = Weighings(data).find("w")
