@@ -23,13 +23,7 @@ SLOW = (
 )
 
 
-@pytest.mark.by_default(
-    "pa10d.control.__main__",
-    "pa10d.recorder.__main__",
-    "pa10d.api.app",
-    "pa10d.client",
-    "backends.virtual.arm",
-)
+@pytest.mark.by_default("pa10d.api.app", "pa10d.client")
 @pytest.mark.parametrize(
     "module",
     ["pa10d.control.__main__", "pa10d.recorder.__main__", "pa10d.api.app", "pa10d.client",

@@ -26,6 +26,7 @@ def stamps(seed, scatter, count=4000, missing=0):
     return even, even + rng.uniform(-scatter, scatter, len(even)) / RATE
 
 
+@pytest.mark.long
 @given(st.integers(0, 10_000), st.floats(0.02, 0.35), st.integers(0, 40), st.floats(1e-7, 3e-4))
 @settings(max_examples=4, deadline=None)
 def test_samples_read_at_equal_steps_are_put_there(seed, scatter, missing, noise):

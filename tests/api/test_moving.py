@@ -116,6 +116,7 @@ def test_a_stop_between_two_motions_ends_the_series(arm):
     arm.disable()
 
 
+@pytest.mark.long
 def test_twenty_listeners_do_not_disturb_the_loop(arm):
     """The loop does its cycles whoever listens (its own timing is measured by bench.py)."""
     streams = [arm.telemetry(history=2.0) for _ in range(20)]

@@ -164,6 +164,7 @@ def test_connections_that_cannot_be_taken_on_are_told_once_in_a_while(caplog):
     assert "a task failed" in caplog.text
 
 
+@pytest.mark.long
 def test_a_daemon_whose_files_are_used_up_lives_and_says_so_once(tmp_path):
     said = tmp_path / "log"
     options = ["--data", str(tmp_path / "data"), "--json", "serve", "--port", "0", "--no-sim"]

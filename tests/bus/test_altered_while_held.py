@@ -120,6 +120,7 @@ def test_what_is_changed_out_of_sight_is_noticed_within_a_round(profile: Profile
         assert (found.kind, found.axis) == ("altered", 2)
 
 
+@pytest.mark.long
 def test_questions_of_others_are_nobodys_fault(profile: Profile) -> None:
     with running(profile) as (arm, driver, other):
         for _ in range(20):

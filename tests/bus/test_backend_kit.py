@@ -118,6 +118,7 @@ def test_a_broken_promise_is_named(tmp_path, kind):
     assert any(BROKEN[kind] in sentence for sentence in found), found
 
 
+@pytest.mark.long
 def test_the_canopen_drives_keep_them_too(tmp_path):
     profile = make_profile(tmp_path, 3, simulation={}, control={"rate": 200.0})
     with virtual_arm(profile):

@@ -104,6 +104,7 @@ def test_a_drive_that_works_its_brake_itself_is_told_the_same(tmp_path: Path) ->
         assert brake(profile, 0) == (1, 1)
 
 
+@pytest.mark.long
 def test_without_a_brake_the_output_is_not_touched(tmp_path: Path) -> None:
     profile = make_profile(tmp_path, 1, drive={"brake": False})
     with virtual_arm(profile):

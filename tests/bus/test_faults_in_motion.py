@@ -98,7 +98,7 @@ def assert_stops(arm: CanopenBackend, driver: Driver) -> None:
     raise AssertionError("the arm does not stop")
 
 
-@pytest.mark.by_default("2-0-silent", "9-8976", "12-90000")
+@pytest.mark.by_default("2-0-silent", "12-90000")
 @pytest.mark.parametrize(
     ("kind", "argument", "expected", "text"),
     [
@@ -130,6 +130,7 @@ def test_a_drive_in_trouble(
         assert_stops(arm, driver)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "kind",
     [

@@ -38,6 +38,7 @@ def noisy(folder: Path, seed: int) -> Profile:
     return make_profile(folder, 7, simulation={"options": options}, control={"rate": 500.0})
 
 
+@pytest.mark.long
 def test_recordings_are_identical_to_the_bit(tmp_path: Path) -> None:
     first = record(noisy(tmp_path, 1))
     assert record(noisy(tmp_path, 1)) == first

@@ -255,6 +255,7 @@ def test_limits_watches_and_pdos_of_an_earlier_master(profile: Profile) -> None:
         assert [node.sdo[0x60E0].raw, node.sdo[0x60E1].raw] == [most, most]
 
 
+@pytest.mark.long
 def test_a_sync_counter_of_an_earlier_master_is_taken_away(profile: Profile) -> None:
     """A drive changes it only while it has no communication cycle period (CiA 301)."""
     with second_master(profile, 1) as node:

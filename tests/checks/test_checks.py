@@ -153,6 +153,7 @@ def _dull(values):
     return 0.0 + np.trunc(values / (0.8 * np.abs(values).max())) * 2.0
 
 
+@pytest.mark.long
 def test_a_channel_that_shows_next_to_nothing_is_no_lost_sensor(robot):
     """And says nothing against the other joints, which are looked at all the same."""
     changes = {"tau": lambda tau: _joint(2, lambda v: -v)(_joint(5, _dull)(tau))}
@@ -271,6 +272,7 @@ def test_limits_are_said_with_joint_extent_and_share(robot):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "late", [-0.004, *(pytest.param(late, marks=LONG) for late in (0.0, 0.0013, 0.007))]
 )

@@ -65,6 +65,7 @@ def findings(folder, servo, torque, names, with_wanted=True, with_dq=True):
     return [f for f in result.findings if f.code == "commanded"]
 
 
+@pytest.mark.by_default("False")
 @pytest.mark.parametrize("with_dq", [True, False])
 def test_a_commanded_torque_is_a_law_on_the_tracking_error(servo, tmp_path, with_dq):
     found = findings(tmp_path, servo, servo[4], "torque", with_dq=with_dq)

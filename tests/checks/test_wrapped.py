@@ -106,7 +106,7 @@ def _recording(q, tau=None):
     return Recording("r", T[: len(q)], q[:, None], tau[: len(q), None])
 
 
-@pytest.mark.by_default("0.0-360", "0.001-2pi")
+@pytest.mark.by_default("0.0-360")
 @pytest.mark.parametrize(("period", "unit"), [("360", "deg"), ("2pi", "rad")])
 @pytest.mark.parametrize("late", [0.0, 1e-3])
 def test_a_file_is_mended_by_what_is_advised(tmp_path, period, unit, late):

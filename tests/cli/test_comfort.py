@@ -120,6 +120,7 @@ def _completed(line: str, data) -> list[str]:
     return (data / "said").read_text().split("\n")
 
 
+@pytest.mark.long
 def test_the_tab_key_knows_commands_options_and_names(tmp_path, robot):
     data = tmp_path / "data"
     assert _import(tmp_path, data, "--profile", str(robot), "--name", "monday") == 0

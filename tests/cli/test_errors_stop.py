@@ -213,6 +213,7 @@ def test_an_interrupted_wait_cancels_its_job_and_names_it():
     assert client.cancelled == ["7"]
 
 
+@pytest.mark.long
 def test_what_a_check_doubted_is_heard_again_by_whoever_fits(fitted, place, capsys):
     """A joint that counts the other way in one run was a spring that had come or gone."""
     (kept,) = (place / "data" / "runs").glob("*/run.json")

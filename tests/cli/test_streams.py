@@ -19,6 +19,7 @@ def typed(words, place, **environment):
     )  # fmt: skip
 
 
+@pytest.mark.long
 def test_a_terminal_without_our_letters(tmp_path):
     shown = typed(f"{COMMAND} effect list", tmp_path, PYTHONIOENCODING="ascii")
     assert (shown.returncode, shown.stderr) == (0, b"")

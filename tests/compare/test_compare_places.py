@@ -36,6 +36,7 @@ def test_an_error_at_low_speed_is_found_there():
     assert "of its squared error" in best.sentence
 
 
+@pytest.mark.long
 def test_a_contact_beyond_one_angle_is_found_there():
     def contact(t, q, dq):
         return arm.on_joint(2, 8.0 * np.maximum(0.0, q[:, 2] - 0.8))
@@ -47,6 +48,7 @@ def test_a_contact_beyond_one_angle_is_found_there():
     assert 0.6 < region.low < 1.2
 
 
+@pytest.mark.long
 def test_the_share_is_the_share():
     def contact(t, q, dq):
         return arm.on_joint(2, 8.0 * np.maximum(0.0, q[:, 2] - 0.8))
@@ -89,6 +91,7 @@ def test_a_late_drift_is_found_in_time():
     assert best.what.low == pytest.approx(30.0, abs=3.0)
 
 
+@pytest.mark.long
 @pytest.mark.by_default("0.99")
 @pytest.mark.parametrize("coloured", [0.0, 0.99])
 def test_noise_alone_makes_no_place(coloured):

@@ -49,6 +49,7 @@ def runs():
     return [arm.recording(k, 12.0, 0.2, warming, period=4.0, name=f"run {k}") for k in (1, 2)]
 
 
+@pytest.mark.long
 def test_a_poor_model_is_judged_by_the_noise_that_a_good_one_shows(good, poor, runs):
     alone, together = judge(poor, runs), compare(poor, runs, beside=[good])
     floor = judge(good, runs).floor.values

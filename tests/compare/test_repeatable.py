@@ -16,6 +16,7 @@ def seen(*recordings):
     return [run_residual(arm.model(), recording) for recording in recordings]
 
 
+@pytest.mark.long
 @pytest.mark.by_default("0.95")
 @pytest.mark.parametrize("coloured", [0.0, 0.95, 0.999])
 def test_noise_does_not_come_again(coloured):

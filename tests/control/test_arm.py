@@ -299,6 +299,7 @@ def test_orphaned_arm_rests_and_is_latched():
     assert not backend.powered
 
 
+@pytest.mark.by_default("3.0-3.5")
 @pytest.mark.parametrize(("seconds", "held"), [(3.0, 3.5), (99.0, 11.0)])
 def test_an_arm_that_sways_is_not_held_before_it_rests_or_has_had_its_time(seconds, held):
     """A motion that begins in a sway ends beside its path."""

@@ -263,6 +263,7 @@ def test_a_rate_that_would_do_is_named(tmp_path):
     assert re.search(r"at 20 Hz \(by the URDF\); raise control.rate to \d+ Hz", said), said
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("seed", "says"),
     [
@@ -308,6 +309,7 @@ def test_a_joint_that_may_be_too_light_for_any_gains_is_begun_with(tmp_path, see
     np.testing.assert_array_equal(again.least, known.figures.least)
 
 
+@pytest.mark.long
 def test_doubt_that_gains_meet_is_met_and_what_none_hold_is_refused(tmp_path):
     arm = foreign(6, tmp_path)
     places = np.array([arm.plant.measure()[0], arm.around.limits.rest_pose()])
@@ -372,6 +374,7 @@ def test_a_weak_servo_that_fell_behind_gets_firmer_a_strong_one_does_not():
     assert firmed(arm.profile, arm.robot, strong, fell(5)) is None
 
 
+@pytest.mark.long
 def test_who_is_as_firm_as_can_be_has_used_its_margins():
     """Of a joint that fell behind and so is heavy, gains were asked for as of a usual one: they
     ended at 1.4 times the stiffness, and it was said that more would shake it."""
@@ -413,6 +416,7 @@ def test_the_starting_set_runs_on_arms_that_nobody_has_seen(seed):
     through_the_starting_set(built(**drawn(seed)))
 
 
+@pytest.mark.long
 def test_a_series_that_leaves_no_acceleration_to_enter_it_with_gets_smaller(tmp_path):
     """Of the fourth motion of an arm that was drawn: no lead was long enough for it."""
     arm = foreign(403, tmp_path)

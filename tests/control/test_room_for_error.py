@@ -106,6 +106,7 @@ def test_a_motion_that_is_too_fast_is_slowed_and_says_how_much(arm):
     assert seconds[1] == pytest.approx(told["pace"] * seconds[0], rel=0.02)
 
 
+@pytest.mark.long
 def test_a_joint_that_is_followed_at_no_pace_turns_less_far(arm):
     """What gravity may be off by stays, however slow the motion is."""
     profile, robot, limits, _ = arm

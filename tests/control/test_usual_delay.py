@@ -22,6 +22,7 @@ def fitted(delay: float, error: float, seed: int) -> Fitted:
     return fitted_response([one], ROTOR, VISCOUS, RATE)
 
 
+@pytest.mark.long
 def test_lines_that_say_nothing_leave_a_usual_one() -> None:
     """Where a sway hid the lines, more than a period was found for half a millisecond."""
     found = [abs(fitted(0.0005, 0.5, seed).delay) for seed in range(6)]

@@ -133,6 +133,7 @@ def test_a_worker_tells_a_full_disk_by_its_kind(monkeypatch, caplog, tmp_path):
         TaskEnd(**carried_out(monkeypatch, refused)).outcome()
 
 
+@pytest.mark.long
 def test_a_worker_whose_daemon_is_gone_ends_without_a_word():
     ours, theirs = socket.socketpair()
     done = subprocess.Popen(

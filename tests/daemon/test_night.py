@@ -66,6 +66,7 @@ def test_an_arm_that_does_not_come_back_has_seen_no_day_2():
     assert night.day == 2
 
 
+@pytest.mark.long
 def test_what_a_draw_changes_is_not_there_on_the_first_day():
     """Whatever is drawn, one of the two questions of the page can show it."""
     for seed in range(60):

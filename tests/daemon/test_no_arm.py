@@ -88,6 +88,7 @@ def test_serve_says_that_line_and_ends(wrong, tmp_path):
     assert len(done.stderr.splitlines()) == 1
 
 
+@pytest.mark.long
 @ONE
 def test_the_simulators_own_line_is_heard(wrong):
     path, says = wrong

@@ -139,6 +139,7 @@ def test_fresh_ones_that_end_at_once_are_not_tried_for_ever(monkeypatch):
     asyncio.run(main())
 
 
+@pytest.mark.long
 def test_a_name_that_somebody_was_quicker_to_take_is_told_as_such(tmp_path):
     """Two uploads of one name at the same time: the second one learns it from the store."""
     names = [f"{what}{joint}" for what in ("q", "tau") for joint in range(1, 8)]

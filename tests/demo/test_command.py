@@ -33,6 +33,7 @@ def marked(mark: str) -> list[str]:
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "blow", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.long)]
 )

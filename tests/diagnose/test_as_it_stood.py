@@ -26,6 +26,7 @@ def changed_since(change, doubt):
     return diagnose(model, fit, held, frozen=True)
 
 
+@pytest.mark.long
 def test_a_payload_within_the_doubt_of_a_model_is_told_as_what_would_do_alone():
     found = changed_since(more_mass, DOUBT)
     assert (found.verdict, found.findings) == ("none", ())
@@ -36,6 +37,7 @@ def test_a_payload_within_the_doubt_of_a_model_is_told_as_what_would_do_alone():
     assert "joints 1 and 2" in said
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("change", "doubt"), [(None, DOUBT), pytest.param(more_mass, 1.0, marks=pytest.mark.long)]
 )

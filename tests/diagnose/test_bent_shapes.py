@@ -54,6 +54,7 @@ def test_two_bends_of_one_curve_are_both_named(both):
             assert value.std_error < 0.5 * true
 
 
+@pytest.mark.long
 def test_neither_would_be_told_alone(both):
     state = state_of(both)
     judging = Judging(state, FRICTION, len(state.terms))
@@ -108,6 +109,7 @@ def dragged(t, q, dq, ddq):
     return np.outer(2.0 * z / 0.3, [0.0, 1.0])
 
 
+@pytest.mark.long
 def test_a_law_that_was_refined_to_the_end_of_its_range_is_told():
     """Found inside it, it was refused once refined, and a map of half as much stood there."""
     runs = recordings(3, dragged, 0.1)

@@ -63,6 +63,7 @@ def test_what_one_run_asks_for_by_itself_is_told_with_its_joints(name):
         assert one.share > 0.98
 
 
+@pytest.mark.long
 @pytest.mark.by_default("False-where0")
 @pytest.mark.parametrize(
     ("before", "where"), [(False, ("fit_a", "fit_b")), (False, ("fit_b",)), (True, ("fit_a",))]
@@ -85,6 +86,7 @@ def test_what_an_arm_picks_up_on_its_way_is_told_with_the_moment(before, where):
         assert f"a payload came or went {one.at:.1f} s into {where[0]}" in one.words
 
 
+@pytest.mark.long
 def test_what_acts_beyond_a_place_did_not_come_at_the_moment_the_arm_went_there():
     """A servo that went up once and stayed was "another one from one moment on"."""
     runs = {}
@@ -170,6 +172,7 @@ def unlike(runs):
     return unlike_fitted(state, len(state.terms), suspects(True, 2), np.zeros(2))
 
 
+@pytest.mark.long
 @pytest.mark.by_default("viscous friction")
 @pytest.mark.parametrize("name", CHANGES)
 def test_what_the_held_out_runs_alone_have_is_told(name):
@@ -206,6 +209,7 @@ def sprung(t, q, dq, ddq):
     return np.outer(q[:, 1] - 0.2, [0.0, 4.0])
 
 
+@pytest.mark.long
 def test_what_all_runs_have_came_and_went_in_none():
     """A real arm's spring, for which the fitted run's one frequency let a rotor stand in."""
     runs = recordings(7, sprung)

@@ -77,6 +77,7 @@ def test_a_contact_that_is_touched_everywhere_is_a_spring(qs, name):
     assert search.state.terms[given].effect_id == name
 
 
+@pytest.mark.by_default("0.0-True")
 @pytest.mark.parametrize(("place", "seen"), [(0.0, True), (9.0, False)])
 def test_a_spot_where_the_joint_has_not_been_is_none(place, seen):
     """ "A worn spot at 2.97 ± 4.1 rad" was named of a joint that ends at 2.4."""

@@ -41,6 +41,7 @@ def asked(reference, runs):
 LONG = set(CHANGES) - {"coulomb fell"}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name", [pytest.param(k, marks=[pytest.mark.long] * (k in LONG)) for k in CHANGES]
 )

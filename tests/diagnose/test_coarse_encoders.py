@@ -30,6 +30,7 @@ def told(step, torque=textbook_torque):
     return model, diagnose(model, runs[:2], runs[2:]), runs
 
 
+@pytest.mark.long
 def test_what_the_steps_make_is_noise():
     model, found, runs = told(1e-3)
     assert found.verdict == "none"

@@ -86,6 +86,7 @@ def test_a_base_that_tips_is_told_by_the_other_joints():
     assert "a base that tips or gives, or a load that swings" in line.sentence
 
 
+@pytest.mark.long
 def test_stamps_that_scatter_are_told_by_the_other_joints():
     """Seven joints at 3 to 4 times their floors, each with a region of its own by accident."""
     found = told([jittered(run, k, 1e-3) for k, run in enumerate(runs(4))])
@@ -95,6 +96,7 @@ def test_stamps_that_scatter_are_told_by_the_other_joints():
     assert "rather of the recording than of the arm" in line.sentence
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seeds", [range(1), pytest.param(range(1, 20), marks=pytest.mark.long)])
 @pytest.mark.parametrize(
     "colour", [0.99, *(pytest.param(phi, marks=pytest.mark.long) for phi in (0.0, 0.999))]

@@ -36,6 +36,7 @@ def with_parts(order):
     return state, [given, given + 1]
 
 
+@pytest.mark.long
 def test_bodies_are_as_far_off_as_they_say():
     """What their gravity is off by had no part in it."""
     state, found = with_parts(4.0)
@@ -49,6 +50,7 @@ def test_bodies_are_as_far_off_as_they_say():
     assert np.max(away / error) < 3.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("order", [60.0])
 def test_a_ripple_that_was_seen_over_many_turns_is_none(order):
     state, found = with_parts(order)

@@ -108,6 +108,7 @@ def test_without_validation_the_answer_says_how_it_was_judged(run):
     assert found["findings"][0]["effect"] == "spring"
 
 
+@pytest.mark.long
 def test_a_suspicion_is_tested_alone(run):
     _, found, _ = run("diagnose", "m0", *sides(), "--effect", "spring", "--joint", "2")
     assert [(f["effect"], f["joints"]) for f in found["findings"]] == [("spring", [2])]
@@ -160,6 +161,7 @@ def test_add_makes_a_new_version_and_keeps_the_old_one(run, tmp_path):
     assert compared["pooled"]["rms"][1] < 0.1 * old["pooled"]["rms"][1]
 
 
+@pytest.mark.long
 def test_add_warns_where_nothing_supports_the_effect(run):
     status, made, said = run(
         "add", "clean0", "spring", "--joint", "2", "--fit", *(f"clean_{k}" for k in FIT),

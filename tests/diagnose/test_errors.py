@@ -28,6 +28,7 @@ def bump(t, q, dq, ddq):
     return np.column_stack([fs * np.exp(-((speed / vs) ** delta)) * np.sign(dq[:, 0]), 0 * t])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("colour", [pytest.param("white", marks=pytest.mark.long), "coloured"])
 def test_errors_of_coefficients_are_their_scatter(colour, pytestconfig):
     model, away, whole = None, [], []

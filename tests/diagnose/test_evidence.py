@@ -68,6 +68,7 @@ def test_judge_finds_slope_one_for_a_true_column(phi):
     assert np.std(slopes) * np.mean(z) == pytest.approx(1.0, abs=0.4)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("phi", SLOWEST_BY_DEFAULT)
 def test_z_of_a_chance_change_is_standard_normal(phi, pytestconfig):
     """Two joints, two runs, gaps; the change has nothing to do with the noise and is small (a
@@ -170,6 +171,7 @@ def test_rivals_that_predict_the_same_cannot_be_told_apart():
     assert rivalry(side, r0, other, one)[1] < -4
 
 
+@pytest.mark.long
 def test_the_lead_of_equal_rivals_is_standard_normal():
     """The truth lies half-way between two changes: neither may lead significantly."""
     rng = np.random.default_rng(19)

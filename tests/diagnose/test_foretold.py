@@ -52,6 +52,7 @@ def test_what_the_held_out_side_cannot_say_is_said_by_stretches_of_the_fit_side(
 COLOURS = {"white": None, "coloured": 0.99, "slow": 0.999, "slower": 0.9995}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("names", "seeds"),
     [(["slower"], range(1)), pytest.param(list(COLOURS), range(40), marks=pytest.mark.long)],

@@ -148,6 +148,7 @@ def bumps(seed, share):
     return Recording(f"run{seed}", t / share, q, tau)
 
 
+@pytest.mark.long
 def test_what_a_model_always_lacked_has_not_changed():
     """A model without Stribeck friction, motion at half the pace: less Coulomb friction "now" was
     named on both joints."""
@@ -160,6 +161,7 @@ def test_what_a_model_always_lacked_has_not_changed():
     assert unexplained(found).startswith("The model keeps an error that it had before")
 
 
+@pytest.mark.long
 def test_of_one_suspicion_nothing_is_said_about_others():
     """40 times the floor were "slow noise" where only Stribeck friction of another joint was
     tested, and "no effect of the library" had explained it."""

@@ -59,6 +59,7 @@ def elsewhere(joint, kind, by, urdf=False):
     return of_turret(arm, np.zeros(3), 0.0), said
 
 
+@pytest.mark.long
 @pytest.mark.by_default("1-origin")
 @pytest.mark.parametrize(
     ("joint", "kind", "by", "urdf"),
@@ -84,7 +85,7 @@ def test_a_frame_elsewhere_is_told_with_its_joint_and_size(joint, kind, by, urdf
         assert f"mostly towards {way} of its own frame" in where.words
 
 
-@pytest.mark.by_default("zero0-0.0", "zero2-0.05")
+@pytest.mark.by_default("zero2-0.05")
 @pytest.mark.parametrize(
     ("zero", "lean"), [((0.0, 0.0, 0.0), 0.0), ((0.0, 0.05, 0.0), 0.0), ((0.0, 0.0, 0.0), 0.05)]
 )
@@ -124,6 +125,7 @@ def test_a_gain_that_it_needs_beside_it_stays_named_and_is_not_counted_for_it():
         assert other is None or other.rms == pytest.approx(one.rms, rel=0.2)
 
 
+@pytest.mark.long
 def test_a_spring_that_stood_in_for_it_is_dropped():
     found = found_in(*elsewhere(1, "origin", (0.02, 0.0, 0.0)), ("spring", 1))
     assert [t.effect_id for t in found.state.terms if t.effect_id == "spring"] == []
@@ -140,6 +142,7 @@ def test_a_spring_that_is_there_stays_and_is_no_geometry():
     assert ("spring", (1,)) in [(t.effect_id, t.joints) for t in found.state.terms]
 
 
+@pytest.mark.long
 @pytest.mark.by_default("0.9")
 @pytest.mark.parametrize("phi", [0.9, 0.999])
 def test_slow_noise_is_no_geometry(phi):

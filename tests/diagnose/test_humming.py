@@ -49,6 +49,7 @@ def test_a_line_in_time_is_told_with_its_frequency():
     assert "one line in time, at 3.1 Hz on both sides" in found.remaining[1].sentence
 
 
+@pytest.mark.long
 def test_a_line_of_one_side_alone_is_none():
     assert heard(0.12, 3.1, 3.1) == [1]
     assert heard(0.12, 3.1, 4.7) == []

@@ -51,6 +51,7 @@ def test_a_finding_that_is_in_the_model_already_is_asked_about_as_if_it_were_not
     assert settle_doubt(grown, spring, [offset]) == settle_doubt(model, spring, [offset])
 
 
+@pytest.mark.long
 def test_stribeck_and_presliding_get_an_experiment_of_their_joint(model):
     first = candidate("stribeck", 0, [1.0], vs=0.05, delta=1.0)
     second = candidate("presliding_hysteresis", 0, [1.0], zs=0.01)
@@ -65,6 +66,7 @@ def test_the_same_torque_twice_cannot_be_settled(model):
     assert settle_doubt(model, one, [one]) is None
 
 
+@pytest.mark.long
 def test_an_effect_far_below_the_noise_is_not_worth_an_experiment(model):
     one = candidate("torque_offset", 1, [1e-6])
     other = candidate("spring", 1, [1e-6, 0.0])

@@ -66,6 +66,7 @@ def test_friction_of_a_load_is_not_that_of_its_noise(rubs):
     assert state.fit.rms()[1] < 0.3 * rubs.fit.rms()[1]
 
 
+@pytest.mark.long
 def test_a_cube_of_a_torque_is_not_that_of_its_noise():
     runs = noisy(saturated)
     start = state_of(runs, textbook(runs, cutoff=3.0))

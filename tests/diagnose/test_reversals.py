@@ -46,6 +46,7 @@ def found_in(extra, seed, noise):
     return np.abs(values - list(TRUE.values())), reported, np.sqrt(moved)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [1, *(pytest.param(k, marks=pytest.mark.long) for k in (2, 3))])
 def test_errors_hold_the_truth_where_the_joint_sticks(seed):
     off, errors, _ = found_in(bump_that_sticks, seed, noise=0.005)

@@ -96,6 +96,7 @@ def test_a_joint_that_hardly_moves_has_no_orders():
     assert order_peaks(state.train, state.train_residual(), 1) == []
 
 
+@pytest.mark.long
 def test_chance_of_a_line_is_how_often_noise_alone_has_one_that_strong():
     """White noise, fitted at each of many orders on its own: how strong the strongest is."""
     state = state_of(recordings(3))

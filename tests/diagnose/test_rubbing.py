@@ -36,6 +36,7 @@ def diagnosed(begins):
     return diagnose(identify([fit], robot(), name="m0", cutoff=8.0), [fit], [held])
 
 
+@pytest.mark.long
 def test_a_warm_up_that_goes_on_in_the_run_held_out_is_told():
     """It was "motion does not predict it: slow noise, or what this data cannot show"."""
     found = diagnosed((0.0, SECONDS))

@@ -158,6 +158,7 @@ def test_a_candidate_that_does_not_hold_once_added_leaves_the_model_as_it_was(cl
     np.testing.assert_array_equal(search.state.fit.beta, before)
 
 
+@pytest.mark.long
 def test_what_is_added_to_two_joints_goes_to_the_state_that_the_search_goes_on_with(monkeypatch):
     """A pruned trial leaves it with a copy: once the second joint's effect was lost with it."""
     runs = recordings(4, extra=lambda t, q, dq, ddq: np.column_stack([1.5 + 0 * t, -1.0 + 0 * t]))

@@ -51,6 +51,7 @@ def test_it_counts_as_much_as_the_motion_to_judge_asks_for_it(pace, farther):
     assert np.all(moved_by_shapes(state, len(state.terms)) == 0.0)
 
 
+@pytest.mark.long
 def test_it_is_what_a_standard_error_of_the_shape_moves():
     state, first = with_its_power(SLOW)
     error = term_covariance(state, first, of_noise=True)[1]["p"]

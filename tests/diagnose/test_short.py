@@ -56,6 +56,7 @@ def test_six_seconds_and_three_are_answered(extra: Extra | None, named):
         assert k.std_error < 0.15
 
 
+@pytest.mark.long
 def test_joints_that_turn_round_often_ask_for_a_wider_band():
     fit, _ = two_runs(1)
     model = identify([fit], robot(), name="m0")

@@ -55,6 +55,7 @@ def tight_spot(q, dq):
     return 3.0 * np.exp(-0.5 * ((q + 0.03) / 0.015) ** 2) * smooth_sign(dq, 0.001)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("extra", "expected", "parameters"),
     [

@@ -136,12 +136,14 @@ def test_on_a_clean_arm_it_gains_nothing_and_says_so(over):
     assert made.after < 1.03 * made.before
 
 
+@pytest.mark.long
 def test_over_the_wrong_quantities_it_gains_nothing_and_says_so(runs):
     made = mapped(runs, 0, ("dq",))
     assert not made.helps
     assert "what is left does not depend on dq1, or too little" in made.warnings[0]
 
 
+@pytest.mark.long
 def test_a_map_of_one_quantity_draws_its_curve():
     def wave(t, q, dq, ddq):
         return np.column_stack([np.zeros(len(t)), 0.3 * np.sin(5 * q[:, 0])])

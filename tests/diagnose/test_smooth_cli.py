@@ -171,6 +171,7 @@ def test_no_first_model_begins_with_a_map(run, data):
     assert "--with smooth_map: explains nothing; expected an effect" in said
 
 
+@pytest.mark.long
 def test_exports_say_that_the_map_stays_behind(run, by_service, tmp_path):
     out = str(tmp_path / "m.py")
     _, document, _ = run("model", "export", by_service[0].name, "--format", "python", "--out", out)

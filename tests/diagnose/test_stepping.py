@@ -45,6 +45,7 @@ def test_when_and_where_it_changes_is_found(change, joint):
     assert step.share > 0.98
 
 
+@pytest.mark.long
 @pytest.mark.by_default("fit_a")
 @pytest.mark.parametrize(("name", "other"), [("fit_a", "fit_b"), ("fit_b", "fit_a")])
 def test_a_fitted_run_without_it_is_no_part_of_it(name, other):
@@ -63,6 +64,7 @@ def test_no_noise_changes_at_one_moment(phi):
     assert steps_in_time(state_of(runs), [0, 1]) == []
 
 
+@pytest.mark.long
 def test_what_is_there_from_the_beginning_is_no_step():
     """An offset of a real arm changed "at t = 2.55 s of every run", as early as was looked."""
     runs = recordings(12, lambda t, q, dq, ddq: np.outer(np.ones(len(t)), [0.8, 0.0]))

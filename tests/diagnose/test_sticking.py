@@ -42,6 +42,7 @@ def test_a_textbook_arm_that_sticks_is_identified_to_its_noise(seed):
     assert friction[1] == pytest.approx(10.0, abs=0.01)
 
 
+@pytest.mark.long
 def test_what_it_does_while_it_stands_speaks_against_no_finding_either():
     """A torque that was 6.7 ms late, beyond doubt, was refused for what friction does at rest."""
     state = state_of(sticking_runs(3, NOISE))
@@ -70,6 +71,7 @@ def test_stribeck_friction_of_an_arm_that_sticks_has_its_own_size():
     assert np.all(found.left.ratio < 1.1)
 
 
+@pytest.mark.long
 def test_torque_of_a_standing_joint_is_in_no_equation_and_in_no_error():
     runs = recordings(6)
     model = textbook(runs)

@@ -109,6 +109,7 @@ def test_a_share_is_of_all_the_error_also_where_the_map_knows_nothing():
     assert of_all(residual, seen) == pytest.approx(1 / 101, rel=0.05)
 
 
+@pytest.mark.long
 def test_a_map_says_how_large_the_torque_is():
     def extra(t, q, dq, ddq):
         return np.column_stack([np.zeros(len(t)), 0.2 * np.sin(5 * q[:, 0])])
@@ -150,6 +151,7 @@ def test_outdoes_compares_on_the_samples_that_the_map_covers():
     assert not found.outdoes(residual, 1.01 * ratio)
 
 
+@pytest.mark.long
 def test_a_plane_goes_on_where_the_fit_side_has_not_been():
     """Fitted within 0.3 of the angles at which it is judged: a curve would know little of them."""
     runs = {}

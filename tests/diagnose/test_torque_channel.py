@@ -52,6 +52,7 @@ def test_the_low_pass_of_the_channel_is_found():
     assert any("a low-pass of first order" in line for line in model.notes.warnings)
 
 
+@pytest.mark.long
 def test_a_low_pass_that_all_joints_agree_on_may_be_late_by_more_than_one_would_be():
     made = recordings(3)
     model = identify([drive(made[name], SLOWER) for name in NAMES[:2]], robot(), name="m0")

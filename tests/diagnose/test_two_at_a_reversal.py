@@ -69,6 +69,7 @@ def test_what_is_there_only_after_reversals_is_no_noise():
     assert not found.remaining[1].significant
 
 
+@pytest.mark.long
 @pytest.mark.by_default("0.99")
 @pytest.mark.parametrize("pole", [0.0, 0.9, 0.99, 0.9995])
 def test_noise_does_not_know_when_a_joint_turned_round(pole):

@@ -91,6 +91,7 @@ def _slow(pole: float):
     return made
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "pole", [0.9, *(pytest.param(p, marks=pytest.mark.long) for p in (0.0, 0.99, 0.999))]
 )

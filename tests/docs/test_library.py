@@ -42,6 +42,7 @@ def shown(source: str, names: dict) -> object:
     return eval(compile(ast.Expression(last.value), "cell", "eval"), names)
 
 
+@pytest.mark.long
 def test_the_page(beside, capsys):
     names: dict = {}
     for block in blocks("docs/library.md", "python"):

@@ -100,6 +100,7 @@ def test_the_unobservable_comes_from_the_prior():
     np.testing.assert_allclose(found.standard, robot.parameters, rtol=0.02, atol=5e-3)
 
 
+@pytest.mark.long
 def test_an_impossible_answer_is_moved_to_the_border_at_least_cost():
     """One pendulum, four parameters seen: against a general-purpose solver."""
     robot = robot_from_urdf(urdf([{"axis": (0, 1, 0)}], seed=4))

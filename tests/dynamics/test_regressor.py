@@ -84,6 +84,7 @@ def test_a_whole_turn_changes_nothing(name, seed, turns):
     )
 
 
+@pytest.mark.long
 @given(trees, seeds)
 @settings(max_examples=20, deadline=None)
 def test_power_is_the_change_of_energy(name, seed):

@@ -78,7 +78,7 @@ def test_the_search_for_a_rotor_begins_only_where_the_model_does_not_know_it():
         assert {"rotor" in s for s in kind.starts(context, [J])} == {False}
 
 
-@pytest.mark.by_default("joint_elasticity-shape1", "backlash")
+@pytest.mark.by_default("joint_elasticity-shape1")
 @pytest.mark.parametrize(
     ("name", "shape"),
     [

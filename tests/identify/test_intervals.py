@@ -41,6 +41,7 @@ def covered(found, errors, truth):
     return np.abs(found - truth) <= 1.96 * errors
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("noise", [pytest.param(white, marks=pytest.mark.long), coloured])
 def test_intervals_cover_over_all_parameters(noise):
     found, errors, truth, _ = repeated(noise, 30)

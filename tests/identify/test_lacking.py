@@ -31,6 +31,7 @@ def off(extra, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return tuple((estimates(m) - truth.values(m)) / np.sqrt(np.diag(m.covariance)) for m in models)
 
 
+@pytest.mark.long
 @pytest.mark.by_default("cable")
 @pytest.mark.parametrize("name", UNMODELLED)
 def test_intervals_hold_beside_an_effect_that_nobody_modelled(name):

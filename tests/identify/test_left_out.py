@@ -85,6 +85,7 @@ def stored(tmp_path, clean):
     return library, str(profile.path)
 
 
+@pytest.mark.long
 def test_one_fit_leaves_out_what_others_use(stored):
     library, profile = stored
     bad = identify_runs(library, ["one"], profile, name="bad", options=FitOptions(10.0))

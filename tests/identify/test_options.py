@@ -48,6 +48,7 @@ def test_it_is_a_value():
         FitOptions.read({"given": ["Fc1 is 12"]})
 
 
+@pytest.mark.long
 def test_single_options_by_name_are_the_same():
     truth = pa10_truth(2)
     run = recording(truth, fourier(2, 8.0, 250.0))

@@ -56,6 +56,7 @@ def test_a_likely_delay_is_taken_though_it_is_not_proven():
     )
 
 
+@pytest.mark.long
 def test_no_delay_is_claimed_where_there_is_none():
     truth = pa10_truth(4)
     shifts = [
@@ -114,6 +115,7 @@ def test_the_chosen_cutoff_follows_the_noise():
     assert np.all(seen[0] <= seen[1])
 
 
+@pytest.mark.long
 def test_a_coarse_encoder_limits_the_cutoff():
     truth = pa10_truth(3)
     run = noisy(truth, 24.0, 0.02, rate=500.0)
@@ -195,6 +197,7 @@ def test_with_torque_offset():
     assert len(model.parameter_names()) == len(model.covariance)
 
 
+@pytest.mark.long
 def test_an_effect_that_follows_the_load_sees_the_load():
     """Nothing is known of the load before a first fit: friction with it would have no columns."""
     truth, mu = pa10_truth(3), np.array([0.0, 0.10, 0.0])
@@ -361,6 +364,7 @@ def test_standing_joints_are_left_out_and_reversals_counted_apart():
 # ---- robust ----------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_knocks_do_not_drag_the_robust_fit_along():
     truth = pa10_truth(2)
     run = noisy(truth, 30.0)

@@ -80,6 +80,7 @@ def test_several_runs_are_fitted_together():
     np.testing.assert_allclose(estimates(model), truth.values(model), atol=0.02)
 
 
+@pytest.mark.long
 def test_pieces_do_not_change_the_answer(monkeypatch):
     """What is counted in overlapping pieces is what is counted at once."""
     truth = pa10_truth(3)
@@ -94,6 +95,7 @@ def test_pieces_do_not_change_the_answer(monkeypatch):
     assert pieces.notes.condition_number == pytest.approx(whole.notes.condition_number, rel=1e-3)
 
 
+@pytest.mark.long
 def test_summary_of_the_pa10():
     truth = pa10_truth(7)
     noise = 0.1 * np.random.default_rng(1).normal(size=(4000, 7))

@@ -50,6 +50,7 @@ def test_what_is_not_told_says_that_recordings_disagree():
     assert "recordings disagree" in found.why
 
 
+@pytest.mark.long
 @pytest.mark.by_default("0.1")
 @pytest.mark.parametrize("driven", [0.1, 0.0])
 def test_bounds_hold_the_truth_where_it_is_one_of_them(driven):

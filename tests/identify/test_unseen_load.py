@@ -34,6 +34,7 @@ def test_the_weight_is_within_what_it_states(driving, driven):
     assert abs(value - WEIGHT) < 2.0 * error
 
 
+@pytest.mark.long
 def test_the_doubt_is_that_of_what_may_go_one_way_only():
     """A fifth of what is read rubs: anything between none and that may be no load."""
     share = 0.2 / np.sqrt(3.0)

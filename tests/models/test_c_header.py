@@ -89,6 +89,7 @@ def test_a_weight_that_is_the_same_everywhere_compiles_without_a_warning(tmp_pat
     assert gravity(q) == pytest.approx(np.full((5, 1), 2 * 9.81), rel=0.11)  # of a fitted mass
 
 
+@pytest.mark.long
 def test_what_cannot_be_written_down_is_said():
     from pa10d.effects.smooth_map import smooth_map
     from pa10d.model import Term

@@ -88,6 +88,7 @@ def test_the_map_shows_the_friction_that_was_put_in():
     assert chart.forward[fine] == pytest.approx(-chart.backward[fine], abs=0.3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))]
 )

@@ -155,6 +155,7 @@ def test_where_least_squares_is_feasible_the_penalty_changes_nothing():
     assert found.cost == pytest.approx(float(np.linalg.norm(rows @ h - tau)), rel=1e-4)
 
 
+@pytest.mark.long
 def test_no_other_solver_finds_a_lower_cost():
     """Equation 17 minimised by a general optimiser from many starts, over Cholesky factors so that
     every point is allowed."""

@@ -68,6 +68,7 @@ def test_saturated_motor_gives_less_than_it_says(tmp_path):
     assert plant.state.v[0] == pytest.approx((30.0 - 1e-4 * 30.0**3) * DT / 2.0)
 
 
+@pytest.mark.long
 def test_noise_levels_and_colours():
     profile, spectra = seven_axes(), {}
     for kind in ("white", "strong", "coloured"):

@@ -123,6 +123,7 @@ def test_other_messages_are_named(tmp_path):
         read_bag(path, JOINTS)
 
 
+@pytest.mark.long
 def test_an_hour_at_1_khz_would_fit_into_memory(tmp_path):
     """Numbers are kept as numbers: 2 GB are 79 bytes for each of the 25.2 million values."""
     samples = 3000

@@ -53,6 +53,7 @@ def test_it_holds_what_a_reviewer_asks_for(library, tmp_path):
     assert str(tmp_path) not in text
 
 
+@pytest.mark.long
 def test_its_errors_are_those_of_a_comparison(library):
     found = dossier(library, "m0", ["valid_a"])
     compared = compare_runs(library, "m0", ["valid_a"])
@@ -65,6 +66,7 @@ def test_its_errors_are_those_of_a_comparison(library):
     np.testing.assert_allclose(fit.speed, speed.max(axis=0) * fit.rate, rtol=0.1)
 
 
+@pytest.mark.long
 def test_a_run_on_both_sides_is_said_to_be(library):
     found = dossier(library, "m0", ["train_a", "valid_a"])
     assert found.seen == "some of which it was fitted to"

@@ -92,6 +92,7 @@ def test_the_arm_ends(world, moment):
     assert [fault.kind for fault in world.faults] == ["silent"]
 
 
+@pytest.mark.by_default("running")
 @pytest.mark.parametrize("state", ["inactive", "holding", "running"])
 def test_the_daemon_ends_in_any_state(world, state):
     def story():

@@ -87,6 +87,7 @@ def test_what_is_moved_by_hand_while_it_is_heard_is_believed(world):
     assert world.arm.path.q[2] == pytest.approx(0.4, abs=0.01)
 
 
+@pytest.mark.long
 def test_a_zero_that_is_back_needs_no_word(world):
     """The drive was homed: it reads again what it read before."""
 
@@ -105,6 +106,7 @@ def test_a_zero_that_is_back_needs_no_word(world):
     world.run(story())
 
 
+@pytest.mark.long
 def test_a_reset_that_changes_nothing_needs_no_word(world):
     def story():
         yield from world.moving()

@@ -172,6 +172,7 @@ def test_mappings_that_cannot_be(tmp_path, mapping, said):
     assert said in _refused(path, mapping=mapping)
 
 
+@pytest.mark.long
 def test_the_line_is_right_far_down_a_large_file(tmp_path):
     """Beyond Arrow's first blocks, with empty lines before it."""
     table = plain_table(*motion(120_000))

@@ -200,6 +200,7 @@ def test_what_is_asked_for_is_what_gets_better():
     assert figure(*scaled, "condition_number_scaled") < figure(*plain, "condition_number_scaled")
 
 
+@pytest.mark.long
 def test_a_boundary_velocity_makes_the_fast_samples_count():
     boundary = np.array([0.25, 0.27, 0.3, 0.6])
     plain, x = polished(Criterion())

@@ -33,6 +33,7 @@ def test_the_file_is_a_plan_and_the_answer_says_how_good_it_is(tmp_path, capsys)
     assert request["about"]["condition_number"] == answer["condition_number"]
 
 
+@pytest.mark.long
 def test_without_a_file_the_plan_is_in_the_answer(capsys):
     assert main(["excite", "--joints", "3,4", *QUICK, "--period", "8", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)

@@ -71,10 +71,10 @@ def test_a_comparison_asked_for_is_not_replaced_by_one_that_opens_by_itself(arch
 @pytest.mark.parametrize(
     ("address", "section", "said"),
     [
-        ("models/nope", "models", "This model cannot be shown. model 'nope': none of this name"),
         *(
             pytest.param(*more, marks=pytest.mark.long)
             for more in (
+                ("models/nope", "models", "This model cannot be shown. model 'nope': none of"),
                 ("runs/nope", "runs", "This run cannot be shown. run 'nope': none of this name"),
                 (
                     "investigate/nope",

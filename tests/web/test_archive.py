@@ -125,6 +125,7 @@ LARGE = """addEventListener("DOMContentLoaded",
   () => { document.documentElement.style.fontSize = "200%"; })"""
 
 
+@pytest.mark.long
 def test_a_plot_says_itself_why_it_cannot_be_drawn(archive, visit):
     """The next result fills the sentences beside it, which took the error with them."""
     url, _ = archive
@@ -202,6 +203,7 @@ def test_a_report_asks_nobody_at_all(archive, visit, tmp_path):
     assert not visitor.foreign()
 
 
+@pytest.mark.long
 def test_a_report_draws_its_plots_at_the_daemon_too_and_may_do_no_more(archive, visit):
     url, _ = archive
     with httpx.Client(base_url=f"{url}/api/v1", trust_env=False, timeout=60) as http:

@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 import pinocchio as pin
+import pytest
 from browsers import until
 
 from pa10d.services.robots import load_robot
@@ -60,6 +61,7 @@ def test_a_replay_follows_slider_and_cursor(archive, visit):
     assert not visitor.foreign()
 
 
+@pytest.mark.long
 def test_the_library_is_not_fetched_before_the_arm_is_looked_at(archive, visit):
     visitor = visit(archive[0])
     visitor.open("models")
@@ -67,6 +69,7 @@ def test_the_library_is_not_fetched_before_the_arm_is_looked_at(archive, visit):
     assert not [address for address in visitor.asked if "vendor" in address]
 
 
+@pytest.mark.long
 def test_a_plan_is_seen_before_it_moves(arm, visit):
     visitor = visit(arm.url)
     page = visitor.page

@@ -37,16 +37,21 @@ def broken_rules(page, rules=RULES) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("scheme", "width", "also"),
-    [("dark", 390, "light"), pytest.param("light", 1440, None, marks=pytest.mark.long)],
+    ("scheme", "width", "also", "sections"),
+    [
+        ("dark", 390, "light", COLOURED),
+        pytest.param("dark", 390, "light", SECTIONS, marks=pytest.mark.long),
+        pytest.param("light", 1440, None, SECTIONS, marks=pytest.mark.long),
+    ],
+    ids=["dark", "dark everywhere", "light everywhere"],
 )
-def test_axe_finds_nothing(archive, visit, scheme, width, also):
+def test_axe_finds_nothing(archive, visit, scheme, width, also, sections):
     """Of another scheme, what depends on it: contrasts."""
     size = {"width": width, "height": 900}
     visitor = visit(archive[0], color_scheme=scheme, viewport=size, bypass_csp=True)
     page = visitor.page
     wrong = {}
-    for section in SECTIONS:
+    for section in sections:
         visitor.open(section)
         if section == "runs":
             page.get_by_role("button", name="train_a").click()
@@ -147,6 +152,7 @@ def test_messages_are_closed_by_keyboard_and_one_is_back_where_one_was(archive, 
     assert page.evaluate("document.activeElement.matches('#explore summary')")
 
 
+@pytest.mark.long
 def test_tabs_go_by_arrow_keys(archive, visit):
     visitor = visit(archive[0])
     page = visitor.page
@@ -250,6 +256,7 @@ def test_a_table_that_goes_on_beyond_its_box_shows_it(archive, visit, scheme):
     assert edge() == ended
 
 
+@pytest.mark.long
 def test_a_plot_is_there_in_numbers_too(archive, visit):
     visitor = visit(archive[0])
     page = visitor.page

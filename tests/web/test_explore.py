@@ -81,6 +81,7 @@ def test_one_zoom_and_one_cursor_for_all_plots(page):
     page.locator("#explore [role=status]", has_text="Drag over a plot").wait_for()
 
 
+@pytest.mark.long
 def test_models_and_a_second_run_lie_over_it(page):
     page.get_by_text("Recordings", exact=True).click()
     page.get_by_label("valid_a").check()

@@ -52,6 +52,7 @@ def test_what_is_chosen_is_what_is_asked_for(archive, visit):
     assert not [one for one in visitor.errors if "409" not in one]
 
 
+@pytest.mark.long
 def test_no_run_no_fit_and_one_that_is_ticked_is_enough(archive, visit):
     page = (visitor := visit(archive[0])).page
     visitor.open("models")

@@ -67,6 +67,7 @@ def shown(page):
     return page.locator(".preview")
 
 
+@pytest.mark.long
 def test_a_guess_is_corrected_and_imported(page, archive, strange):
     page.evaluate(DROP, ["log.txt", strange])
     box = shown(page)

@@ -100,6 +100,7 @@ def test_a_motion_is_checked_before_it_starts(arm, visit):
     assert arm.robot()["state"] == "inactive"
 
 
+@pytest.mark.long
 def test_live_values_survive_a_refresh(arm, visit):
     visitor = visit(arm.url)
     page = visitor.page

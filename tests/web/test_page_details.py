@@ -167,6 +167,7 @@ def test_page_and_daemon_know_the_same_jobs_that_move_the_arm():
     assert json.loads(listed) == list(MOVING)
 
 
+@pytest.mark.long
 def test_what_drives_remember_is_asked_when_somebody_looks(arm, visit):
     visitor = visit(arm.url)
     visitor.open("robot")

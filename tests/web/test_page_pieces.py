@@ -115,6 +115,7 @@ STORY = """(day) => {
 }"""
 
 
+@pytest.mark.long
 def test_after_the_night_the_guide_asks_what_it_has_brought(archive, visit):
     visitor = visit(archive[0])
     visitor.open("models")
@@ -157,6 +158,7 @@ def test_an_arm_that_is_being_connected_is_waited_for(archive, visit):
     assert "position, rad" in page.locator("#robot thead").inner_text(), "heads from the start"
 
 
+@pytest.mark.long
 def test_an_investigation_that_is_planned_is_the_next_step(archive, visit):
     visitor = visit(archive[0])
     visitor.open("models")
@@ -207,6 +209,7 @@ ADVICE = """async (advice) => {
 }"""
 
 
+@pytest.mark.long
 def test_advice_is_given_in_words_of_the_page(archive, visit):
     visitor = visit(archive[0])
     visitor.open("models")
@@ -235,6 +238,7 @@ UNMARKED = """() => {
 }"""
 
 
+@pytest.mark.long
 def test_where_no_run_is_marked_those_of_the_model_are_chosen(archive, visit):
     visitor = visit(archive[0])
     visitor.open("diagnose")
@@ -289,6 +293,7 @@ DRAW = """async (figures) => {
 }"""
 
 
+@pytest.mark.long
 @pytest.mark.by_default("1280")
 @pytest.mark.parametrize(
     ("width", "wide", "high"),

@@ -102,6 +102,7 @@ def test_no_section_is_beside_stop_on_a_phone(archive, visit):
     assert visitor.page.evaluate(below) >= 4
 
 
+@pytest.mark.long
 def test_stop_grows_with_the_text_and_covers_nothing(archive, visit):
     """At 200 % text, as a browser's own setting gives it."""
     url, _ = archive
