@@ -149,10 +149,8 @@ BROKEN_SHARE = 0.5  # of a joint's squared error, gone where runs, or their two 
 FARTHEST_AXIS = 0.3  # rad by which an axis may point elsewhere: a URDF is wrong by less or by 90°,
 #   and a first order tells no more
 FARTHEST_ORIGIN = 0.3  # of the arm's longest link, that a joint may sit elsewhere, likewise
-ANGLE_LEAST_TURNS = (
-    8.0  # of a ripple within the way of its joint, as of what rings or hums in time:
-)
-#   fewer are a Fourier part of any curve over the angle
+ANGLE_LEAST_TURNS = 8.0  # of a ripple within the way of its joint, as of what rings or hums in
+#   time: fewer are a Fourier part of any curve over the angle
 SEEN_SHARE = 0.2  # of an effect's largest torque; a fit that saw less extrapolates it (a)
 MATERIAL_HARM = 0.01  # a rise of RMS below this is no reason to refuse (a)
 SHARE_OF_GAIN = 0.25  # nor is a loss that is small beside what the candidate gains (a)
@@ -168,9 +166,8 @@ BEYOND_SLOW_NOISE = 10.0  # where slow noise was not seen; that of the simulated
 MATERIAL_GAIN = 0.05  # least drop of RMS on the joint it helps most: smaller is the pipeline's own
 PART_OF_THE_WAY = (0.5, 0.25, 0.0)  # to the loads of the last fit, where all of it leaves more
 MUCH_WORSE = 0.25  # rise of one joint's RMS for which, if significant, no finding is worth it
-AS_WELL = (
-    1.2  # the same of a gain that sways: findings that leave more may stand in for it (policy)
-)
+AS_WELL = 1.2  # the same of a gain that sways: findings that leave more may stand in for it
+#   (policy)
 OUTDONE = 2.5  # times the squared error of a map: findings that leave more are imitations
 SLOPES = (0.5, 1.8)  # held-out slope of a real effect; shapes and loads are refined after adding
 SAME_DIRECTION = 0.8  # cosine of two predicted changes above which they are rivals
@@ -180,10 +177,8 @@ MOSTLY_BEYOND = 0.5  # of the error, beyond the share of time, that lies where t
 #   been, to say so: most of it (policy; a fact of the two sides, no claim)
 CARRIED_FARTHER = 1.5  # times what its coefficients leave open on the fit side: from there the
 #   held-out side asks for what fitted runs do not determine (policy; 0.8 to 1.3 on like motion)
-MOVED_FAR = (
-    2.0  # times what a frozen model leaves where it may move, as it was given: three quarters
-)
-# of the squared error lay in what its own data left open
+MOVED_FAR = 2.0  # times what a frozen model leaves where it may move, as it was given: three
+#   quarters of the squared error lay in what its own data left open
 FIRM = 10.0  # times: a model that hardly moves, where moving explains less than one change
 #   (policy; ten times more gives the same)
 USUAL = 2.0  # times what a model lacked on its own data: other motion may show as much more of it

@@ -24,10 +24,8 @@ SOFTEST = 0.02  # of a spring that gravity helps to bend: beyond, the link would
 DAMPED = 0.005, 0.7  # damping ratios that a gear may have
 SUBSTEPS = 6.0  # per radian of the spring's own oscillation
 PASSES = 6  # at most
-SWUNG = (
-    0.01  # of the farthest lag: a pass that moves no link by more was the last, for what is left
-)
-# then is the square of that
+SWUNG = 0.01  # of the farthest lag: a pass that moves no link by more was the last, for what is
+#   left then is the square of that
 MOST_STEPS = 1000  # of a sample: bodies that no arm has may have any mode
 RUNS_AWAY = 1e100
 FURTHEST = 1.0  # rad: no gear twists further

@@ -35,10 +35,8 @@ Array = NDArray[np.float64]
 MOTION_SHARE = 0.25  # of the sampling rate at most: beyond, a digital Butterworth rings at its end
 MOTION_SETTLES = 8.0  # periods of the motion's cut-off after which twice-differentiated ends have
 # decayed to 1e-6 (at the highest share of the rate) or 1e-8
-NOT_BENT = (
-    3.0  # times the equation's cut-off, up to which an acceleration is always motion: what is
-)
-# given up beyond changes no torque within the band by more than 2e-4
+NOT_BENT = 3.0  # times the equation's cut-off, up to which an acceleration is always motion: what
+#   is given up beyond changes no torque within the band by more than 2e-4
 OVERSAMPLING = 4.0  # samples kept per period of the cut-off: the filter is down to 0.4 % there
 CLEAR = 0.9  # part of a filtered sample that has to stem from motion
 MOTION_CUTOFF = 120.0  # Hz at most for the motion itself: a sign must see the reversal sharply
