@@ -52,7 +52,11 @@ def refuse_unsound(
     *,
     force: bool = False,
 ) -> None:
-    """Unsound where one of these runs has an error against it; ``force`` lets it pass."""
+    """Unsound where one of these runs has an error against it; ``force`` lets it pass. One that is
+    being recorded is no run yet: its model would be said to know all of it."""
+    for info in infos:
+        if info.status == "started":
+            raise UserError(f"run {info.name!r}: it is being recorded; expected a finished run")
     if force:
         return
     given = [None] * len(infos) if recordings is None else recordings

@@ -98,6 +98,15 @@ def new_info(
     return RunInfo(new_id(others), name, created, profile, channels.joints, channels=have, **more)
 
 
+def said_meanwhile(folder: Path, info: RunInfo) -> RunInfo:
+    """``info`` with the name and marks that the description in ``folder`` has by now."""
+    try:
+        now = load_info(folder)
+    except UserError:  # not to be seen yet, or damaged: nobody can have said anything
+        return info
+    return info.but(name=now.name, tags=now.tags)
+
+
 def load_info(folder: Path) -> RunInfo:
     """Read it back; unknown keys of a later version are left out. The folder's name is the id."""
     refuse_links(folder, "folder")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import time
 from collections.abc import Callable
@@ -10,6 +11,7 @@ from typing import BinaryIO
 
 import numpy as np
 
+from pa10d.common.errors import UserError
 from pa10d.common.locked_file import lock_at_once
 from pa10d.common.version import __version__
 from pa10d.profile import Profile
@@ -17,12 +19,14 @@ from pa10d.store.bag_metadata import write_bag_metadata
 from pa10d.store.bag_repair import END
 from pa10d.store.bag_writer import BagWriter, MessageBlock, Stamps
 from pa10d.store.channels import Array, Channels, Samples
+from pa10d.store.folders import locked
 from pa10d.store.room import give_back, reserve
-from pa10d.store.run_info import BAG, RunInfo, Status
+from pa10d.store.run_info import BAG, RunInfo, Status, said_meanwhile
 from pa10d.store.run_repair import repair_run
 
 FLUSH = 0.2  # s
 LARGEST = 4096  # samples in a chunk
+PATIENCE = 1.0  # s that the end of a run waits for others: meanwhile nothing else is written
 
 
 class RunWriter:
@@ -117,12 +121,12 @@ class RunWriter:
             **changes,
         )
         give_back(self.folder)
-        self.info.save(self.folder)
+        self._tell()
         self._file.close()
         if self.then is not None:
             told, self.info = self.info, self.then(self.info)
             if self.info != told:
-                self.info.save(self.folder)
+                self._tell()
         return self.info
 
     def salvage(self, reason: str) -> RunInfo:
@@ -131,14 +135,26 @@ class RunWriter:
         try:
             self.abandon()
             give_back(self.folder)
+            self.info = said_meanwhile(self.folder, self.info)
             repaired = repair_run(self.folder, self.info)
             self.info = repaired.but(status="failed", reason=reason, repaired=False)
             if self.then is not None:
                 self.info = self.then(self.info)
-            self.info.save(self.folder)
+            self._tell()
         finally:
             os.close(held)
         return self.info
+
+    def _tell(self) -> None:
+        """Describe the run as it is now; what a person has said of it since it began stays.
+
+        A lock that another process does not let go of keeps no run from its end.
+        """
+        with contextlib.ExitStack() as held:
+            with contextlib.suppress(UserError):
+                held.enter_context(locked(self.folder.parent, PATIENCE))
+            self.info = said_meanwhile(self.folder, self.info)
+            self.info.save(self.folder)
 
     def abandon(self) -> None:
         """Let go of the file as it is; what was not written goes nowhere."""

@@ -115,7 +115,7 @@ class RunStore:
                 if old is not None:
                     self._refuse_replacing(old, replace)
                     writer.info = info.but(name=free_name(name, there))
-                    writer.then = partial(self._take_place, old)
+                    writer.then = partial(self._take_place, old, writer.info.name)
                 self._publish(writer)
         except BaseException:
             writer.abandon()
@@ -261,19 +261,27 @@ class RunStore:
         writer.folder.rename(self.path(info))
         writer.folder = self.path(info)
 
-    def _take_place(self, old: RunInfo, info: RunInfo) -> RunInfo:
-        """What becomes of ``old`` and of the run that was to replace it, which has ended."""
+    def _take_place(self, old: RunInfo, numbered: str, info: RunInfo) -> RunInfo:
+        """What becomes of ``old`` and of the run that was to replace it, which has ended.
+
+        numbered: what the new one was called so long. Who has renamed one of both meanwhile wants
+        to keep it: then both stay.
+        """
         if info.status != "success":
             kept = f"run {old.name!r} was kept, and this one is called {info.name!r}"
             return info.but(reason=f"{info.reason}; {kept}" if info.reason else kept)
         try:
             with locked(self.folder):
-                if any(other.name == old.name and other.id != old.id for other in self.all()):
+                there = self.all()
+                if any(other.name == old.name and other.id != old.id for other in there):
                     raise UserError(f"another run took the name {old.name!r}")
+                if any(other.id == info.id and other.name != numbered for other in there):
+                    return info  # it has a name of its own by now
                 info = info.but(name=old.name)
                 info.save(self.path(info))
-                with contextlib.suppress(FileNotFoundError):  # somebody else deleted it
-                    discard(self.path(old))
+                if any(other.id == old.id and other.name == old.name for other in there):
+                    with contextlib.suppress(FileNotFoundError):  # somebody else deleted it
+                        discard(self.path(old))
         except UserError as error:
             return info.but(warnings=(*info.warnings, f"not renamed: {error}"))
         return info

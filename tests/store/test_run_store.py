@@ -14,6 +14,7 @@ from store_data import channels, samples
 
 from pa10d.common.errors import UserError
 from pa10d.store import RunStore
+from pa10d.store.folders import locked
 from pa10d.store.location import data_place
 from pa10d.store.names import checked_name, free_name, new_id, resolve
 from pa10d.store.run_info import FILE, RunInfo
@@ -257,3 +258,45 @@ def test_tests_know_nothing_of_what_the_user_keeps():
     """A profile that somebody used last would be that of every command without one."""
     assert Path(tempfile.gettempdir()) in data_place().parents
     assert not data_place().is_relative_to(Path.home() / ".local")
+
+
+def test_what_is_said_of_a_run_while_it_is_recorded_stays(store):
+    writer = store.start("one", channels(), tags=("fit",))
+    writer.append(samples(120))
+    store.change("one", name="other", tags=("judge",))
+    _build(store, "one")  # the name is free
+    writer.close()
+    info = store.find(writer.info.id)
+    assert info == writer.info
+    assert (info.name, info.tags) == ("other", ("judge",))
+    assert (info.status, info.samples) == ("success", 120)
+
+
+def test_what_is_said_of_a_run_that_the_disk_ends_stays(store):
+    writer = store.start("one", channels())
+    writer.append(samples(120))
+    store.change("one", name="other")
+    assert writer.salvage("no room").name == "other"
+    assert store.find("other").status == "failed"
+
+
+@pytest.mark.parametrize("renamed", ["one", "one-2"])
+def test_who_renames_a_run_that_is_being_replaced_or_the_new_one_keeps_both(store, renamed):
+    old = _build(store, "one", seed=1)
+    writer = store.start("one", channels(), replace=True)
+    writer.append(samples(120, seed=2))
+    store.change(renamed, name="keep")
+    writer.close()
+    assert {info.id for info in store.all()} == {old.id, writer.info.id}
+    assert store.find("keep").id == (old.id if renamed == "one" else writer.info.id)
+    assert store.find("one").id == (writer.info.id if renamed == "one" else old.id)
+    np.testing.assert_array_equal(store.read(old.id).samples.q, samples(120, seed=1).q)
+
+
+def test_a_lock_that_is_not_let_go_keeps_no_run_from_its_end(store, monkeypatch):
+    monkeypatch.setattr("pa10d.store.run_writer.PATIENCE", 0.05)
+    writer = store.start("one", channels())
+    writer.append(samples(120))
+    with locked(store.folder):
+        writer.close()
+    assert store.find("one").status == "success"

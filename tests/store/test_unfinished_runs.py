@@ -15,6 +15,8 @@ from rosbags.rosbag2 import Reader
 from store_data import channels, samples
 
 from pa10d.common.errors import UserError
+from pa10d.services.library import open_library
+from pa10d.services.models import read_runs
 from pa10d.store import RunStore, run_writer
 from pa10d.store.bag_repair import finish_bag
 from pa10d.store.run_info import BAG
@@ -80,6 +82,17 @@ def test_a_killed_recorder_loses_a_fifth_of_a_second_at_most(tmp_path):
         assert reader.message_count == 2 * info.samples
         assert sum(1 for _ in reader.messages()) == 2 * info.samples
     assert RunStore(tmp_path).repaired == []
+
+
+def test_a_run_that_is_being_recorded_is_fitted_and_judged_by_nobody(tmp_path):
+    library = open_library(tmp_path)
+    writer = library.runs.start("live", channels())
+    writer.append(samples(300))
+    writer.flush()
+    with pytest.raises(UserError, match=r"'live': it is being recorded; expected a finished run"):
+        read_runs(library, ["live"], None, force=True)
+    writer.close()
+    assert len(read_runs(library, ["live"], None, force=True)[1]) == 1
 
 
 @pytest.fixture

@@ -6,12 +6,14 @@ import time
 from pathlib import Path
 
 import httpx
+import numpy as np
 import pytest
 from browsers import DROP, until
 
 from pa10d.report import compare_page
 from pa10d.services.library import open_library
 from pa10d.services.models import compare_runs
+from pa10d.store import Channels, RunStore, Samples
 
 TORQUE = "#compare .beside .canvas"  # measured over modelled, not the figures that come later
 FIRST, ZOOM = 3.0, 0.6  # s on a quiet machine: three times what was promised
@@ -90,6 +92,37 @@ def test_a_recording_is_dropped_and_marked_and_shown(archive, visit, csv_text):
     page.get_by_role("button", name="Delete").click()
     page.get_by_role("button", name="Delete for good").click()
     page.locator("#runs tbody tr", has_text="dropped").wait_for(state="detached")
+    assert not visitor.errors
+
+
+def test_a_run_that_is_being_recorded_is_no_failure_and_offers_nothing_yet(archive, visit):
+    url, data = archive
+    runs = f"{url}/api/v1/runs"
+    writer = RunStore(data).start("live", Channels(("S1", "S2", "E1")), tags=("fit",))
+    visitor = visit(url)
+    page = visitor.page
+    try:
+        stamps, zeros = np.arange(120) * 5_000_000, np.zeros((120, 3))
+        writer.append(Samples(stamps, zeros, zeros))
+        visitor.open("runs")
+        row = page.locator("#runs tbody tr", has_text="live")
+        assert "being recorded" in row.inner_text()
+        assert row.locator(".bad").count() == 0
+        assert "0 s" not in row.inner_text()
+        row.get_by_role("button").click()
+        page.locator("#run-detail", has_text="Once it has ended").wait_for()
+        assert page.get_by_role("button", name="Delete").count() == 0
+        asked = {"runs": ["live"], "name": "m1"}
+        refused = httpx.post(f"{url}/api/v1/models", json=asked, trust_env=False)
+        assert refused.status_code == 400
+        assert "being recorded; expected a finished run" in refused.json()["detail"]
+        writer.close()
+        httpx.patch(f"{runs}/live", json={"tags": []}, trust_env=False)  # told to all pages
+        page.get_by_role("button", name="Delete").wait_for()
+        assert "success" in row.inner_text()
+    finally:
+        writer.abandon()
+        httpx.delete(f"{runs}/live", trust_env=False)
     assert not visitor.errors
 
 

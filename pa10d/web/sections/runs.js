@@ -13,8 +13,8 @@ import { replay } from "../parts/replay.js";
 import { setAside } from "../parts/set_aside.js";
 import { heading } from "../parts/guide.js";
 
-const MARKS = ["fit", "judge"];
-let selected = null, filter = "";
+const MARKS = ["fit", "judge"], RECORDING = "started";
+let selected = null, filter = "", shownAs = "";
 let showRun = () => {};
 
 export function mount(box) {
@@ -30,11 +30,15 @@ export function mount(box) {
     table.hidden = !state.runs.length;
     search.hidden = state.runs.length < 6;
   };
+  const fillDetail = (run) => {
+    shownAs = run.status;
+    fill(detail, run.status === RECORDING ? beingRecorded(run) : details(run));
+  };
   const select = (run) => {
     selected = run.id;
     sayAddress("runs", run.id);
     refresh();
-    fill(detail, details(run));
+    fillDetail(run);
     detail.scrollIntoView({ block: "start" }); // below a long list nobody would see that it came
   };
   const shownIfThere = (id) => {
@@ -56,7 +60,9 @@ export function mount(box) {
   fill(box, heading("runs", "Runs", { Mark: "Tick the boxes in the list.", Import: "Drop the files below." }), dropZone("files"), search, table, none, setAside("runs"), detail);
   watch(["runs", "ready"], () => {
     refresh();
-    if (selected && !state.runs.some((run) => run.id === selected)) { selected = null; fill(detail); }
+    const run = state.runs.find((one) => one.id === selected);
+    if (selected && !run) { selected = null; fill(detail); }
+    else if (run && run.status !== shownAs) fillDetail(run); // it has ended
   });
 }
 
@@ -85,8 +91,8 @@ function row(run, isSelected, select) {
   return el("tr", { class: isSelected ? "selected" : "", onclick: () => select(run) },
     el("td", {}, el("button", { type: "button", class: "link", onclick: (event) => { event.stopPropagation(); select(run); } }, run.name),
       other.map((tag) => el("span", { class: "tag" }, tag)), wrong(run)),
-    el("td", {}, run.kind ? titled(run.kind) : "–"), el("td", {}, when(run.created)), el("td", {}, seconds(run.duration)),
-    el("td", { class: run.status === "success" ? "" : "bad", title: run.reason }, run.status), marks);
+    el("td", {}, run.kind ? titled(run.kind) : "–"), el("td", {}, when(run.created)), el("td", {}, run.status === RECORDING ? "…" : seconds(run.duration)),
+    el("td", { class: { success: "", [RECORDING]: "warn" }[run.status] ?? "bad", title: run.reason }, run.status === RECORDING ? "being recorded" : run.status), marks);
 }
 
 /** What keeps a fit from using it. */
@@ -118,6 +124,12 @@ function known(run) {
   };
   show(run.findings ?? []);
   return el("div", { class: "known" }, el("div", { class: "row" }, el("h2", {}, "Before fitting"), look, status), box);
+}
+
+/** Nothing of it can be shown, taken out or deleted before it has ended; a name stays. */
+function beingRecorded(run) {
+  return el("div", { class: "panel" }, el("h2", {}, run.name),
+    el("p", {}, "It is being recorded. Once it has ended, it is shown here. ", el("a", { class: "button small", href: "#/robot" }, "Watch the arm")));
 }
 
 function details(run) {
