@@ -363,7 +363,7 @@ class Arm:
                 return
             share = min((self.path.time - self._open_since) / STANDS, 1.0)
             self._take_up(share)
-            self.path.catch()
+            self.path.holding.catch()
             calm = self.path.stands_for(STANDS) or self.path.time > self._open_since + CALMS
             if share == 1.0 and calm:
                 self._weighs_anew = False
@@ -385,13 +385,14 @@ class Arm:
 
     def _try_alone(self, backend: OpensOneByOne, under_way: bool) -> None:
         """Of an arm whose brakes open one by one, one joint; what it tells counts from now on."""
-        path, before = self.path, self.path.alone
-        again = path.try_alone(backend.out_of_brakes if under_way else None)
-        if path.alone == before and not again:
+        path, holding = self.path, self.path.holding
+        before = holding.alone
+        again = path.brakes.try_alone(backend.out_of_brakes if under_way else None)
+        if holding.alone == before and not again:
             return
         here, stood = self._weight(path.q), self._weight(self._stood_at)
-        path.take_along(here, before)
-        self._told = carried(path.thought, here, stood) - stood
+        path.brakes.take_along(here, before)
+        self._told = carried(holding.thought, here, stood) - stood
         if again:
             asked("try_again", backend.try_again)
 
@@ -537,8 +538,8 @@ class Arm:
             torque = np.where(weight, torque, self._thought())
         self._held_by = q, torque.copy()
         self._by_thought = torque == self._weight(q)
-        fell = list(self.path.fell)
-        told = np.array([self.path.fell[axis].torque for axis in fell])
+        fell = list(self.path.holding.fell)
+        told = np.array([self.path.holding.fell[axis].torque for axis in fell])
         stood, here = self._weight(self._stood_at)[fell], self._weight(q)[fell]
         self._held_by[1][fell] = carried(told, stood, here)  # a fall tells of where it began
         self._by_thought[fell] = False
@@ -556,7 +557,7 @@ class Arm:
         """A joint that was weighed as it fell went on until its brake held it: what was found
         counts there, of one that went far as a share of what the description says."""
         q = self.path.q.copy()
-        if self._held_by is None or not self.path.fell:
+        if self._held_by is None or not self.path.holding.fell:
             return
         there, torque = self._held_by
         here, gone = self._weight(q), self._weight(there)

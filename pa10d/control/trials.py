@@ -84,12 +84,10 @@ class Caught:
     """A joint that its drive was told to stop as it fell, along a ramp of its own; then its brake
     closes."""
 
-    def __init__(
-        self, axis: int, fell: tuple[float, float], least: float, ramp: float, error: float
-    ) -> None:
+    def __init__(self, axis: int, fell: tuple[float, float], least: float, ramp: float) -> None:
         """fell: rad/s, rad/s² as its drive was told; least: rad/s, slower than which nobody minds;
-        ramp: rad/s²; error: N·m, standard, of what it was told to weigh."""
-        self.axis, self.error = axis, error
+        ramp: rad/s²."""
+        self.axis = axis
         self._speed, self._rise = abs(fell[0]), abs(fell[1])
         self._least, self._ramp = least, ramp
         self._passed, self._fast = 0.0, 0

@@ -329,5 +329,5 @@ def test_an_arm_that_is_connected_with_felt_weights_is_held_by_them():
     arm.enable()
     still = np.zeros((1, robot.n))
     weighs = inverse_dynamics(robot, felt, np.full((1, robot.n), 0.3), still, still)[0]
-    np.testing.assert_allclose(arm.path.thought, weighs)
+    np.testing.assert_allclose(arm.path.holding.thought, weighs)
     assert np.abs(weighs).max() > 10.0

@@ -195,14 +195,14 @@ def test_what_a_fall_told_is_told_of_where_it_began(side):
     arm = powered(Rubs(side * 7.9, -9.0, 1.3, 0.5), side * 11.1, -9.0)
     arm.enable()
     until(arm, ArmState.FAULT)
-    told, stood = arm.path.fell[0].torque, arm._stood_at[0]
+    told, stood = arm.path.holding.fell[0].torque, arm._stood_at[0]
     arm.reset()
     until(arm, ArmState.INACTIVE)
     arm.enable()
     way = arm.path.q[0] - stood
     assert abs(way) > 0.05
     there = side * 11.1 - 9.0 * stood
-    assert arm.path.thought[0] == pytest.approx(told * (1.0 - 9.0 * way / there))
+    assert arm.path.holding.thought[0] == pytest.approx(told * (1.0 - 9.0 * way / there))
 
 
 def test_of_falls_the_same_way_as_many_times_is_lacking_as_they_found():
@@ -261,12 +261,13 @@ def test_a_joint_that_is_thrown_back_to_its_place_tells_no_weight_roughly(side):
     """It sagged under 5.9 N·m, so that it weighs more, and what its spring had taken up threw it
     back: by the inertia of all that hangs on it 0.28 N·m was told, and 15 N·m the other way."""
     arm = thrown(side * np.array([*SAGS, -0.024, -0.015, -0.004]), side * 5.9, 0.3)
-    assert arm.path.fell == {}
+    assert arm.path.holding.fell == {}
     assert arm.fault is not None
     assert arm.fault.kind == "not_held"
-    low, high = arm.path._tried._low[0], arm.path._tried._high[0]
+    holding = arm.path.holding
+    low, high = holding._tried._low[0], holding._tried._high[0]
     assert low == -np.inf
-    assert high * 5.9 == pytest.approx(max(abs(arm.path._falls.under(0, 0.0)[i]) for i in (0, 1)))
+    assert high * 5.9 == pytest.approx(max(abs(one) for one in holding._falls.under(0, 0.0)))
     assert high > 1.0, "it was given more than it thought as it went up"
 
 
@@ -285,7 +286,7 @@ def test_a_joint_that_was_caught_and_is_thrown_back_weighs_what_it_was_caught_by
         side * 5.9,
         0.3,
     )
-    assert arm.path.fell == {0: caught}
+    assert arm.path.holding.fell == {0: caught}
 
 
 @pytest.mark.parametrize(("begins", "told"), [(1.7, True), (2.2, False)])
@@ -304,4 +305,4 @@ def test_a_joint_that_breaks_loose_in_the_first_seconds_falls_until_it_stands(be
     assert arm.fault is not None
     assert arm.fault.kind == "following_error"
     assert arm.fault.weighed == int(told)
-    assert (0 in arm.path.fell) == told
+    assert (0 in arm.path.holding.fell) == told

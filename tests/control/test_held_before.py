@@ -183,7 +183,7 @@ def test_what_a_motor_could_not_hold_its_joint_does_not_weigh():
     )  # fmt: skip
     arm.connect()
     arm.enable()
-    assert arm.path.thought == pytest.approx([-0.5 * most, 0.9 * most])
+    assert arm.path.holding.thought == pytest.approx([-0.5 * most, 0.9 * most])
 
 
 def opens_one_by_one(arm):
@@ -270,7 +270,7 @@ def test_a_joint_alone_has_time_to_be_caught(arm, tried, share, lets):
     were held alone are shaken as all brakes open, and do not fall."""
     arm.enable()
     for out in tried:
-        arm.path.try_alone(out)
+        arm.path.brakes.try_alone(out)
     arm.path.dq[0] = share * limits().velocity[0]
 
     def watched():
@@ -289,19 +289,19 @@ def test_a_joint_keeps_the_torque_that_held_it_alone(arm):
     """Its own brake is closed again; another is tried, and what it does moves nobody's place."""
     arm.enable()
     path, tried = arm.path, arm.path.controller
-    path.try_alone([0])
+    path.brakes.try_alone([0])
     for _ in range(3):
         path.q[0] -= 1e-3
-        path.try_alone([0])
+        path.brakes.try_alone([0])
         sent = path.torque(ArmState.ENABLING).copy()
     assert path.reference.q[0] - path.q[0] == pytest.approx(3e-3)
     assert sent[0] > THOUGHT + 0.5
-    path.try_alone([])
-    assert path.thought == pytest.approx([sent[0], THOUGHT])
+    path.brakes.try_alone([])
+    assert path.holding.thought == pytest.approx([sent[0], THOUGHT])
     assert path.reference.q == pytest.approx(path.q)
-    path.try_alone([1])
+    path.brakes.try_alone([1])
     path.q[0] += 1e-4
-    path.try_alone([1])
+    path.brakes.try_alone([1])
     path.dq[:] = 0.0
     assert tried.torque(path.reference, path.q, path.dq)[0] == pytest.approx(sent[0], abs=1e-6)
 
@@ -322,17 +322,17 @@ def test_what_was_told_goes_along_as_others_move(arm):
     """The one that is weighed now as it is; those that are free are held by their servos."""
     path = arm.path
     path.power_up(np.array([2.0, 6.0]), np.array([1.0, 3.0]))
-    path.try_alone([])
-    path.take_along(np.array([1.5, 2.0]), 1)
-    assert path.thought == pytest.approx([3.0, 6.0])
-    path.take_along(np.array([1.5, 1.0]), None)
-    assert path.thought == pytest.approx([3.0, 3.0])
-    path.take_along(np.array([-0.1, 1.0]), None)
-    assert path.thought == pytest.approx([2.0, 3.0]), "a description near zero is all error"
-    path.take_along(np.array([1.5, 1.0]), None)
-    path.try_alone([0])
-    path.take_along(np.array([1.0, 1.5]), None)
-    assert path.thought == pytest.approx([3.0, 4.5])
+    path.brakes.try_alone([])
+    path.brakes.take_along(np.array([1.5, 2.0]), 1)
+    assert path.holding.thought == pytest.approx([3.0, 6.0])
+    path.brakes.take_along(np.array([1.5, 1.0]), None)
+    assert path.holding.thought == pytest.approx([3.0, 3.0])
+    path.brakes.take_along(np.array([-0.1, 1.0]), None)
+    assert path.holding.thought == pytest.approx([2.0, 3.0]), "near zero it is all error"
+    path.brakes.take_along(np.array([1.5, 1.0]), None)
+    path.brakes.try_alone([0])
+    path.brakes.take_along(np.array([1.0, 1.5]), None)
+    assert path.holding.thought == pytest.approx([3.0, 4.5])
 
 
 @pytest.mark.parametrize(("before", "again"), [(0.1, True), (0.05, False)])
@@ -340,11 +340,11 @@ def test_one_that_gets_faster_and_tells_nothing_is_given_no_more(arm, monkeypatc
     """Its torque may act the wrong way round; one that slides on is not held by enough."""
     path = arm.path
     path.power_up(np.array([2.0, 6.0]))
-    path.try_alone([0])
-    monkeypatch.setattr(path._falls, "driven", lambda axis: Driven(1.9, 0.5))
-    monkeypatch.setattr(path._falls, "weighed", lambda *_: None)
+    path.brakes.try_alone([0])
+    monkeypatch.setattr(path.holding._falls, "driven", lambda axis: Driven(1.9, 0.5))
+    monkeypatch.setattr(path.holding._falls, "weighed", lambda *_: None)
     path.exit.sent[0] = 1.9
     path.q[0] += 0.5 * limits().following_error[0]
     path.dq[0], path._dq_before[0] = 0.1, before
-    assert path.try_alone([0]) is again
-    assert path.thought[0] == pytest.approx(1.8 if again else 2.0)
+    assert path.brakes.try_alone([0]) is again
+    assert path.holding.thought[0] == pytest.approx(1.8 if again else 2.0)

@@ -76,7 +76,7 @@ def test_nothing_known_is_nothing_tried():
 
 def stopped(speeds, ramp=7.0):
     """The fault of a joint that fell by 8 rad/s² as its drive was to stop it."""
-    caught = Caught(1, (-0.3, -8.0), 0.5, ramp, 0.0)
+    caught = Caught(1, (-0.3, -8.0), 0.5, ramp)
     for speed in speeds:
         try:
             caught.watch(np.array([9.0, -speed]), PERIOD)

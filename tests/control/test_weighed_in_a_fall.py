@@ -168,7 +168,7 @@ def test_the_next_enabling_begins_with_what_no_servo_has_found():
         assert arm.fault.weighed == int(heaviest > 6.0)
         until(arm, ArmState.FAULT)
         again(arm)
-        assert arm.path.thought[0] == pytest.approx(begins, abs=0.2)
+        assert arm.path.holding.thought[0] == pytest.approx(begins, abs=0.2)
 
 
 class Falls(Flywheels):
@@ -193,7 +193,7 @@ def the_second_falls(arm, said):
     assert said in arm.fault.cause
     assert arm.fault.weighed == 1
     again(arm)
-    assert arm.path.thought[0] == pytest.approx(6.0, abs=0.3)
+    assert arm.path.holding.thought[0] == pytest.approx(6.0, abs=0.3)
 
 
 def fallen(heaviest, slides=()):
@@ -211,7 +211,7 @@ def fallen(heaviest, slides=()):
     )
     arm.connect()
     cycles(arm, 3)
-    arm.path.catch = lambda: None  # it is to fall
+    arm.path.holding.catch = lambda: None  # it is to fall
     arm.enable()
     until(arm, ArmState.FAULT)
     return arm
@@ -239,7 +239,7 @@ def test_one_that_was_caught_is_held_again_by_what_it_weighs_whoever_ends_it():
     arm.reset()
     until(arm, ArmState.INACTIVE)
     arm._held_by = None
-    del arm.path.catch
+    del arm.path.holding.catch
     arm.enable()
     until(arm, ArmState.HOLDING)
     arm.state = ArmState.ENABLING  # it stands; had it swayed it would be that still
@@ -250,7 +250,7 @@ def test_what_one_joint_told_is_not_forgotten_as_another_falls():
     arm = fallen(10.0)
     until(arm, ArmState.FAULT)
     again(arm)
-    knew = arm.path.thought[0]
+    knew = arm.path.holding.thought[0]
     cycles(arm, 6)
     arm.backend.plant.dq[1] = 1.5
     until(arm, ArmState.FAULT)
@@ -259,7 +259,7 @@ def test_what_one_joint_told_is_not_forgotten_as_another_falls():
     until(arm, ArmState.INACTIVE)
     arm.weigh(lambda q: np.array([0.6, 0.1]))  # as with other gains, after a swing
     arm.enable()
-    assert arm.path.thought == pytest.approx([knew, 0.1], abs=0.2)
+    assert arm.path.holding.thought == pytest.approx([knew, 0.1], abs=0.2)
 
 
 def test_nor_as_another_one_ends_it_once_the_arm_is_held():
@@ -268,11 +268,11 @@ def test_nor_as_another_one_ends_it_once_the_arm_is_held():
     arm = fallen(10.0)
     again(arm)
     until(arm, ArmState.HOLDING)
-    knew = arm.path.thought[0]
+    knew = arm.path.holding.thought[0]
     arm.backend.plant.dq[:] = 0.5, 3.0
     until(arm, ArmState.FAULT)
     again(arm)
-    assert arm.path.thought[0] == pytest.approx(knew, abs=0.2)
+    assert arm.path.holding.thought[0] == pytest.approx(knew, abs=0.2)
 
 
 def test_a_joint_that_is_taken_along_is_not_the_one_that_is_weighed():
@@ -284,7 +284,7 @@ def test_a_joint_that_is_taken_along_is_not_the_one_that_is_weighed():
     while np.abs(arm.backend.plant.q - arm._stood_at)[0] < 0.03:
         arm.cycle()
     the_second_falls(arm, "joint 1 has fallen farther and taken it along")
-    assert arm.path.thought[1] == pytest.approx(0.0, abs=1e-9)
+    assert arm.path.holding.thought[1] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_what_is_learnt_later_counts_for_joints_that_were_held_by_what_was_thought():
@@ -293,7 +293,7 @@ def test_what_is_learnt_later_counts_for_joints_that_were_held_by_what_was_thoug
     until(arm, ArmState.INACTIVE)
     arm.weigh(lambda q: np.array([5.0, 2.0]))
     arm.enable()
-    assert arm.path.thought == pytest.approx([6.0, 2.0], abs=0.3)
+    assert arm.path.holding.thought == pytest.approx([6.0, 2.0], abs=0.3)
 
 
 def test_a_joint_that_went_far_is_held_by_as_many_times_what_its_urdf_says():
@@ -438,5 +438,5 @@ def test_links_that_swing_in_their_brakes_rest_before_the_next_enabling():
 
 def test_two_falls_tell_no_more_than_a_joint_may_weigh():
     arm = fallen(10.0)
-    arm.path._tried.again = lambda *_: Weighed(1e3, 1.0, again=True)
-    assert arm.path._weighed(0).torque == 10.0
+    arm.path.holding._tried.again = lambda *_: Weighed(1e3, 1.0, again=True)
+    assert arm.path.holding._weighed(0).torque == 10.0

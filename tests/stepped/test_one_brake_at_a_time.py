@@ -284,7 +284,7 @@ def test_a_joint_is_weighed_before_it_falls(make_world, believed):
         yield world.passes(0.1)
         described, again = arm._gravity, arm.backend.try_again
         arm._gravity = lambda q: believed * described(q)
-        arm.backend.try_again = lambda: (tried.append(arm.path._alone), again())
+        arm.backend.try_again = lambda: (tried.append(arm.path.holding.alone), again())
         world.say("enable")
         yield world.is_in("enabling")
         yield world.is_in("holding", "fault")
