@@ -74,8 +74,10 @@
   async function look(mine, sent) {
     const limit = setTimeout(() => sent.abort(), PATIENCE);
     try {
-      const { state } = await ask("GET", "", sent.signal);
-      if (mine === turn) say(`Stop was sent; the arm is ${state} …`, "waiting");
+      const told = await ask("GET", "", sent.signal);
+      if (mine !== turn) return;
+      if (hangs(told)) unanswered(told.quiet);
+      else say(`Stop was sent; the arm is ${told.state} …`, "waiting");
     } catch {
       sent.abort();
     } finally {
@@ -89,23 +91,24 @@
   function heard(told) {
     const { state, offline_reason: why } = told;
     if (hangs(told)) unanswered(told.quiet);
-    else if (AT_REST[state]) {
-      say(`Stop was heard. ${AT_REST[state]}`, "heard");
-      standBy(turn, state);
-    }
+    else if (AT_REST[state]) say(`Stop was heard. ${AT_REST[state]}`, "heard");
     else if (state === "offline") say(`Stop was heard, but no drive answers${why ? ` (${why})` : ""}. If the arm moves: ${EMERGENCY.toLowerCase()}`, "bad");
     else say(`Stop was heard, but the arm is still ${state}. ${EMERGENCY}`, "bad");
+    standBy(turn, told);
   }
 
-  /** What it says holds for as long as it stands there: somebody may move the arm again. */
-  async function standBy(mine, state) {
+  /** What it says holds for as long as it stands there: an arm that was still moving or unknown
+      comes to rest, and somebody may move one that was at rest. */
+  async function standBy(mine, before) {
+    const as = (told) => `${hangs(told)} ${told.state} ${told.offline_reason ?? ""}`;
+    const moved = hangs(before) || MOVING.includes(before.state);
     while (true) {
       await new Promise((done) => setTimeout(done, LOOK));
       if (mine !== turn || said.hidden) return;
       const told = await ask("GET", "").catch(() => null);
       if (mine !== turn || said.hidden) return;
-      if (told?.state === state) continue;
-      if (told && AT_REST[told.state]) heard(told);
+      if (told ? as(told) === as(before) : moved || before.state === "offline") continue;
+      if (told && (moved || hangs(told) || !MOVING.includes(told.state))) heard(told);
       else said.hidden = true;
       return;
     }

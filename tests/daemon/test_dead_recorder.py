@@ -17,6 +17,7 @@ from pa10d.daemon.robot.refusals import CommandRefused
 from pa10d.daemon.robot.robot import RobotProcess
 from pa10d.dynamics import robot_from_profile
 from pa10d.profile import load_profile
+from pa10d.store import Channels, RunStore
 
 
 class Recorder:
@@ -75,3 +76,51 @@ def test_the_next_one_is_asked(robot):
 def test_a_living_one_that_refuses_is_asked_once(robot):
     with pytest.raises(CommandRefused, match="no room"):
         announced(robot, {"ok": False, "detail": "no room"}, {"ok": True})
+
+
+def test_what_became_of_its_run_is_told_once_the_next_one_is_there(tmp_path, monkeypatch):
+    """It has repaired the run; who listens had it as being recorded."""
+    store = RunStore(tmp_path)
+    run = store.start("live", Channels(("S1",))).close("failed", "the recorder ended").id
+
+    class Child:
+        def __init__(self, recorder):
+            self.link, self.gone = recorder.link, asyncio.Event()
+            self.process = SimpleNamespace(wait=self.gone.wait)
+
+        async def ready(self, within):
+            return True
+
+        async def end(self, within, polite):
+            pass
+
+        def how_it_ended(self):
+            return "was killed"
+
+    async def main():
+        made = [Recorder({"ok": True, "run": {"id": run}}), Recorder(None)]
+        children = [Child(one) for one in made]
+        following = iter(children)
+
+        async def begin(robot):
+            return next(following)
+
+        monkeypatch.setattr(RobotProcess, "_begin_recorder", begin)
+        profile, events = load_profile("pa10-sim"), Events()
+        robot = RobotProcess(profile, robot_from_profile(profile), tmp_path, tmp_path, events)
+        keeper = asyncio.create_task(robot.recorder.keep())
+        try:
+            await robot.recorder.announce(motion=1, rows=10)
+            assert events.since(0) == []
+            children[0].gone.set()
+            async with asyncio.timeout(5.0):
+                async for told in events.listen(since=0):
+                    return json.loads(told)
+        finally:
+            keeper.cancel()
+            for recorder in made:
+                recorder.end()
+
+    told = asyncio.run(main())
+    assert told["kind"] == "run"
+    assert (told["data"]["id"], told["data"]["status"]) == (run, "failed")

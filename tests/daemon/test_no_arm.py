@@ -149,7 +149,7 @@ def test_an_arm_that_takes_longer_than_is_waited_is_used_once_it_is_there(monkey
     asyncio.run(main())
 
 
-def test_the_arm_is_offline_for_that_reason(tmp_path):
+def test_the_arm_is_offline_for_that_reason_and_the_log_says_when_it_is_there(tmp_path, caplog):
     profile = load_profile("pa10-sim")
     robot = RobotProcess(profile, robot_from_profile(profile), tmp_path, tmp_path, Events())
     robot.control = SimpleNamespace()
@@ -158,6 +158,16 @@ def test_the_arm_is_offline_for_that_reason(tmp_path):
         asyncio.run(robot.connect())
     assert robot.why_offline == "there is no virtual arm: arm.yaml: no plant"
     assert not robot.document()["offline_passes"]
+
+    async def answers(do, **fields):
+        return {"ok": True}
+
+    robot.no_arm, robot.command = lambda: None, answers
+    for _ in range(2):
+        asyncio.run(robot.connect())
+    offline, there = caplog.messages
+    assert offline == f"the arm is offline: {robot.why_offline}"
+    assert there == "the arm is there: its drives answer"
 
 
 def test_a_daemon_tells_its_robot_what_its_simulator_said(tmp_path):

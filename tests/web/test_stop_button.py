@@ -225,3 +225,26 @@ def test_what_it_says_stands_there_no_longer_than_it_holds(archive, visit):
     page.get_by_text("The arm stands still, unpowered").wait_for()
     now["state"] = "running"
     page.locator("#stop-said").wait_for(state="hidden", timeout=4000)
+
+
+def test_an_alarm_ends_once_the_arm_is_known_to_be_at_rest(archive, visit):
+    url, _ = archive
+    page, now = visit(url).page, {"state": "offline", "quiet": 0, "offline_reason": "it starts"}
+    page.goto(url)
+    page.route("**/api/v1/robot/stop", lambda route: route.fulfill(json=now))
+    page.route("**/api/v1/robot", lambda route: route.fulfill(json=now))
+    page.click("#stop")
+    page.locator("#stop-said.bad", has_text="no drive answers (it starts)").wait_for()
+    now["state"] = "inactive"
+    page.locator("#stop-said.heard", has_text="stands still, unpowered").wait_for(timeout=4000)
+    now |= {"state": "running", "quiet": 5}
+    page.click("#stop")
+    page.locator("#stop-said.bad", has_text="has not answered").wait_for(timeout=15_000)
+    page.wait_for_timeout(1000)
+    assert page.locator("#stop-said.bad").is_visible()
+    now |= {"state": "holding", "quiet": 0}
+    page.locator("#stop-said.heard", has_text="stands still and is held").wait_for(timeout=9000)
+    now["state"] = "offline"
+    page.locator("#stop-said.bad", has_text="no drive answers").wait_for(timeout=4000)
+    now["state"] = "enabling"  # by somebody: nothing that was to stop
+    page.locator("#stop-said").wait_for(state="hidden", timeout=4000)

@@ -22,10 +22,18 @@ log = logging.getLogger("pa10d.robot")
 
 
 class KeptRecorder:
-    """One process after the other. start: begins one; lost: to be called after one has ended."""
+    """One process after the other. start: begins one; lost: to be called after one has ended;
+    back: once the next one is there, with the run that was announced last, which it has repaired
+    where it was being written."""
 
-    def __init__(self, start: Callable[[], Awaitable[Child]], lost: Callable[[], None]) -> None:
-        self._start, self._lost = start, lost
+    def __init__(
+        self,
+        start: Callable[[], Awaitable[Child]],
+        lost: Callable[[], None],
+        back: Callable[[str], Awaitable[None]],
+    ) -> None:
+        self._start, self._lost, self._back = start, lost, back
+        self._announced: str | None = None
         self.child: Child | None = None
         self.keeps = True  # one that ends is followed by another
 
@@ -40,6 +48,8 @@ class KeptRecorder:
                 continue
             if await child.ready(START_TIME):
                 self.child = child
+                if self._announced is not None:
+                    await self._back(self._announced)
                 await child.process.wait()
             await child.end(1.0, polite=False)
             self.child = None
@@ -57,11 +67,13 @@ class KeptRecorder:
         that is waited for: nothing was lost yet."""
         child = await self._living()
         try:
-            return await _ask(child, "announce", **fields)
+            answer = await _ask(child, "announce", **fields)
         except CommandRefused:
             if not child.link.closed:
                 raise
-        return await _ask(await self._living(), "announce", **fields)
+            answer = await _ask(await self._living(), "announce", **fields)
+        self._announced = str(answer["run"]["id"])
+        return answer
 
     async def withdraw(self) -> bool:
         """Whether the announced motion had not begun: its run goes away."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from backends.registry import device
 from pa10d.common.disk import sharing
-from pa10d.common.errors import NotNow
+from pa10d.common.errors import NotNow, UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.common.shortage import Short
 from pa10d.control.faults import Fault
@@ -53,6 +53,7 @@ from pa10d.daemon.robot.stood import StoodAt
 from pa10d.daemon.robot.stops import MOVES, Stops
 from pa10d.dynamics import Robot
 from pa10d.profile import Gains, Profile
+from pa10d.store.run_info import load_info
 
 Array = NDArray[np.float64]
 
@@ -82,9 +83,10 @@ class RobotProcess:
         self.ring = shared_ring(runtime, robot.n, period)
         self._hand_over(profile)
         self.control: Child | None = None
-        self.recorder = KeptRecorder(self._begin_recorder, self._recorder_lost)
+        self.recorder = KeptRecorder(self._begin_recorder, self._recorder_lost, self._recorder_back)
         self.notes: list[str] = []
         self.why_offline = STARTING
+        self._missed = False  # the log has said that it is offline
         self.remark: str | None = None  # what the daemon knows of the arm beside control
         self.load: str | None = None  # what would be taken for the arm's own mass
         self.law = ChosenLaw(self.command, lambda: self._told)
@@ -459,8 +461,12 @@ class RobotProcess:
                 raise  # another was quicker: it is there
             if why != self.why_offline:  # tried again and again, said once
                 log.warning("the arm is offline: %s", why)
+                self._missed = True
             self.why_offline = why
             raise
+        if self._missed:
+            log.warning("the arm is there: its drives answer")
+            self._missed = False
         await self._believe_new_arm()
         await self._take_up_law()
 
@@ -491,6 +497,12 @@ class RobotProcess:
         if self.state in ("holding", "running"):  # a motion may have begun, and not be told of yet
             self.stop()
         self.runs.lost(CommandRefused({"detail": "the recorder process ended"}))
+
+    async def _recorder_back(self, run: str) -> None:
+        """Clients have it as being recorded still."""
+        with contextlib.suppress(UserError):  # it has been deleted since
+            info = await asyncio.to_thread(load_info, self._data / "runs" / run)
+            self._events.publish("run", info.document())
 
     async def _stay_alive(self) -> None:
         while True:
