@@ -30,10 +30,17 @@ AFTER_RESTS = (
 )
 
 
+WHERE_SLOW = (
+    "all of it where the joint is slower than {}, as it comes to rest, turns round or moves on: "
+    "friction there is not as the model has it"
+)
+
+
 @dataclass(frozen=True)
 class Knocks:
     """share of a joint's squared error in ``seconds`` of ``of`` s that are judged; the worst of
-    them lies ``at`` s of ``run``; after_rests: they are where the joint moves on after a rest."""
+    them lies ``at`` s of ``run``; after_rests: they are where the joint moves on after a rest;
+    slower_than: speed and unit, if all of them are worst where it is as slow as it seldom is."""
 
     share: float
     seconds: float
@@ -41,6 +48,7 @@ class Knocks:
     run: str
     at: float
     after_rests: bool = False
+    slower_than: str = ""
 
     @property
     def words(self) -> str:
@@ -48,9 +56,15 @@ class Knocks:
         return (
             f"{percent(self.share)} of its squared error lies in {self.seconds:.2g} of "
             f"{self.of:.2g} s, the worst of it at {self.at:.3g} s of {self.run}: "
-            f"{AFTER_RESTS if self.after_rests else ONLY_THERE}. Look at it over time; "
+            f"{self._there}. Look at it over time; "
             "identify --robust fits beside such stretches, --leave-out without them"
         )
+
+    @property
+    def _there(self) -> str:
+        if self.after_rests:
+            return AFTER_RESTS
+        return WHERE_SLOW.format(self.slower_than) if self.slower_than else ONLY_THERE
 
 
 @dataclass(frozen=True)
@@ -99,9 +113,13 @@ def few_moments(runs: Sequence[tuple[Array, Mask, float]]) -> Moments | None:
 
 def _stretches(error: Array, counts: Mask, rate: float) -> tuple[Array, Array]:
     """Squared error, and seconds that count, of each stretch of a run."""
-    index = (np.arange(len(counts)) / (rate * STRETCH)).astype(int)
+    index = _stretch_of(len(counts), rate)
     power = np.bincount(index, np.where(counts, error, 0.0) ** 2)
     return power.astype(float), np.bincount(index, counts) / rate
+
+
+def _stretch_of(samples: int, rate: float) -> NDArray[np.intp]:
+    return (np.arange(samples) / (rate * STRETCH)).astype(np.intp)
 
 
 def knocks(runs: Sequence[RunResidual], joint: int) -> Knocks | None:
@@ -114,7 +132,26 @@ def knocks(runs: Sequence[RunResidual], joint: int) -> Knocks | None:
     worst, of = int(np.argmax(found.power)), float(found.time.sum())
     run, begins = used[found.run[worst]].name, float(found.begins[worst])
     after = _after_rests(used, joint, found)
-    return Knocks(found.share, found.seconds, of, run, begins, after)
+    slow = "" if after else _slower_than(used, joint, found)
+    return Knocks(found.share, found.seconds, of, run, begins, after, slow)
+
+
+def _slower_than(runs: Sequence[RunResidual], joint: int, found: Moments) -> str:
+    """The speed below which the joint is in so little of the time, where each of the stretches is
+    worst below it, which what has nothing to do with the speed is seldom enough; else nothing."""
+    speed = [np.abs(run.decimated(run.seen.dq))[:, joint] for run in runs]
+    judged = [run.judged[:, joint] for run in runs]
+    limit = float(np.quantile(np.concatenate(speed)[np.concatenate(judged)], SHORT))
+    few = np.flatnonzero(found.few)
+    worst = []
+    for k in few:
+        run, number = runs[found.run[k]], round(found.begins[k] / STRETCH)
+        there = run.judged[:, joint] & (_stretch_of(len(run.error), run.equation.rate) == number)
+        size = np.where(there, np.abs(run.error[:, joint]), 0.0)
+        worst.append(speed[found.run[k]][int(np.argmax(size))])
+    if max(worst) > limit or SHORT ** len(few) > BY_CHANCE:
+        return ""
+    return f"{limit:.2g} {runs[0].model.robot.angle_unit(joint)}/s"
 
 
 def _after_rests(runs: Sequence[RunResidual], joint: int, found: Moments) -> bool:

@@ -66,6 +66,29 @@ def test_what_comes_where_the_joint_moves_on_after_a_rest_is_told_as_that(late, 
     assert ("a knock" in words) != told
 
 
+@pytest.mark.parametrize(("after", "told"), [(0.0, True), (0.9, False)])
+def test_what_comes_where_a_joint_hardly_moves_is_no_knock(after, told):
+    """Dry friction with too soft a corner, seen where a joint turns round now and then; "a knock, a
+    hand" was said of it. The same a little later in the swing is nobody's friction."""
+    t = np.arange(0.0, 60.0, 0.02)
+    speed = np.sin(np.pi * t / 3.0)
+    there = [np.abs(t - at - after) < 0.07 for at in (6.0, 15.0, 24.0, 39.0)]
+    error = np.where(np.any(there, axis=0), 4.0, 0.05)
+    run = SimpleNamespace(
+        name="r",
+        rested=(),
+        judged=np.ones((len(t), 1), dtype=bool),
+        error=error[:, None],
+        seen=SimpleNamespace(dq=speed[:, None], dt=0.02),
+        equation=SimpleNamespace(rate=50.0),
+        model=SimpleNamespace(robot=arm.ROBOT),
+        decimated=lambda values: values,
+    )
+    words = knocks([run], 0).words
+    assert ("slower than 0.16 rad/s" in words) == told
+    assert ("a knock" in words) != told
+
+
 @pytest.mark.parametrize("lasting", [0.0, 0.3, 1.0])
 def test_noise_of_any_colour_is_no_knock(lasting):
     """AR(1), in memory up to the length of four stretches."""
