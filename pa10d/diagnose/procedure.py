@@ -26,6 +26,7 @@ from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.bent_laws import bent_laws
 from pa10d.diagnose.search.candidates import Candidate, heard, suspects
 from pa10d.diagnose.search.candidates import places as places_of
+from pa10d.diagnose.search.corners import sharpened
 from pa10d.diagnose.search.delivery import warnings as said
 from pa10d.diagnose.search.frozen import (
     always_lacked,
@@ -233,6 +234,8 @@ def diagnose(
         ),
         stood=stood.words,
         told=_told(model),
+        sharper=sharpened(model, state) if frozen else {},
+        passed=str(state.model.channel) if state.model.channel != model.channel else "",
     )
 
 

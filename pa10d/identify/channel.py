@@ -64,7 +64,7 @@ def find_channel(
     kind = max(tried, key=lambda k: max(g.sum() for g in tried[k].values()))
     known = tried[kind]
     for _ in range(CLOSER):
-        for d in _between(sorted(known), _best(known)):
+        for d in between(sorted(known), _best(known)):
             known[d] = gain(kind, d)
     best = _best(known)
     each = known[best]
@@ -81,8 +81,8 @@ def _best(known: Mapping[float, Array]) -> float:
     return max(known, key=lambda d: float(known[d].sum()))
 
 
-def _between(tried: Sequence[float], best: float) -> list[float]:
-    """Halfway to either neighbour."""
+def between(tried: Sequence[float], best: float) -> list[float]:
+    """Of rising values: halfway from one of them to either neighbour."""
     at = tried.index(best)
     neighbours = [*tried[max(at - 1, 0) : at], *tried[at + 1 : at + 2]]
     return [0.5 * (best + other) for other in neighbours]

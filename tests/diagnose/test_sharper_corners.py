@@ -8,6 +8,7 @@ import numpy as np
 from two_links import COULOMB, V0, recordings, state_of
 
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.corners import sharpened
 from pa10d.diagnose.search.steps import Search
 from pa10d.effects import effect
 
@@ -36,6 +37,19 @@ def test_a_blunt_corner_is_sharpened_instead_of_being_called_stribeck_friction()
     assert len(search.state.terms) == len(state.terms)
     assert np.std(search.state.held_residual()[0]) < 0.7 * np.std(blunt)
     assert search.sharpened == {0}
+
+
+def test_a_blunt_corner_of_a_model_as_it_was_is_no_change():
+    """An arm that had only got a load was told to have "Stribeck friction … no change" besides."""
+    given = surely_blunt(state_of(recordings(2))).model
+    state = state_of(recordings(4), given, frozen=True)
+    blunt = state.held_residual()[0]
+    search = Search(state, ASKED, len(state.terms)).run()
+    assert len(search.state.terms) == len(state.terms)
+    assert np.std(search.state.held_residual()[0]) < 0.7 * np.std(blunt)
+    ((was, now),) = sharpened(given, search.state).values()
+    assert was == BLUNT
+    assert now < 0.7 * BLUNT
 
 
 def test_stribeck_friction_beside_a_blunt_corner_is_named():

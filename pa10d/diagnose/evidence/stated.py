@@ -1,8 +1,9 @@
 """Standard errors as a model states them and as its findings print them: one covariance for both.
 
 Shapes were fitted like coefficients, and make these and all others less certain; what reversals do
-to an effect's estimates (0070, rule 23), and what a curve over an angle leaves open, are in it,
-too. So a parameter has one error, whoever tells of it.
+to an effect's estimates (0070, rule 23), what a curve over an angle leaves open, and how late and
+how smooth the torque's channel makes it, are in it, too. So a parameter has one error, whoever
+tells of it.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from pa10d.diagnose.evidence.curves import open_to_curves
 from pa10d.diagnose.evidence.errors_of import covariance_under, shape_errors_of
 from pa10d.diagnose.evidence.reversals import moved_by_reversals
+from pa10d.diagnose.regression.behind import channel_slopes
 from pa10d.diagnose.regression.shapes import free_shapes
 from pa10d.diagnose.regression.slopes import with_slopes
 from pa10d.diagnose.regression.state import SearchState
@@ -42,8 +44,11 @@ def stated(state: SearchState, fresh: Collection[int]) -> Stated:
         count = next(iter(of_term.values())).shape[1]
         places[i] = slice(total, total + count)
         total += count
+    channel = channel_slopes(state)
+    of_shapes = total
+    total += next(iter(channel.values())).shape[1]
     columns: PerJoint = {}
-    weighted = {j: np.zeros((len(q), total)) for j, q in fit.basis.items()}
+    weighted = {j: np.column_stack([np.zeros((len(c), of_shapes)), c]) for j, c in channel.items()}
     for i, of_term in slopes.items():
         for j, own in of_term.items():
             weighted[j][:, places[i]] = own / fit.sigma[j]

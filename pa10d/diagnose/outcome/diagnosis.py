@@ -114,6 +114,9 @@ class Diagnosis:
     above_band: joints (0-based) and, in words, what the low-pass takes away that is more than all
     that it leaves
     told: of what somebody knew when the given model was identified, which a search does not know
+    passed: what the torque channel has passed, where only this search has seen it
+    sharper: of a frozen model: joints (0-based) whose dry friction turns round more sharply than it
+    knows, and from what speed to which that moved, rad/s (m/s)
     read_wrong: of its runs, what speaks for columns that were read wrongly
     """
 
@@ -141,6 +144,8 @@ class Diagnosis:
     knocked: tuple[int, ...] = ()
     above_band: Mapping[int, str] = field(default_factory=dict)
     told: tuple[str, ...] = ()
+    passed: str = ""
+    sharper: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     read_wrong: tuple[str, ...] = ()
 
     @property
@@ -199,6 +204,8 @@ class Diagnosis:
             *self._misplaced(),
             *self._no_estimates(),
             *self._own_runs(),
+            *self._smoothed(),
+            *self._sharper(),
             *self._forgotten(),
             *self._lighter(),
             *beside,
@@ -256,6 +263,27 @@ class Diagnosis:
         return (
             f"the given model was identified beside what was known of {listed(self.told)}; these "
             "versions are fitted to the data alone",
+        )
+
+    def _sharper(self) -> tuple[str, ...]:
+        """What a frozen model never knew of its dry friction."""
+        robot = self.model.robot
+        return tuple(
+            f"dry friction of joint {j + 1} turns round more sharply (within {now:.2g} "
+            f"{robot.angle_unit(j)}/s) than the model has it ({was:.2g}): hardly a change, rather "
+            "what faster motion did not show when it was identified. What is told here is beside "
+            "the sharper one"
+            for j, (was, now) in self.sharper.items()
+        )
+
+    def _smoothed(self) -> tuple[str, ...]:
+        """What the given model did not know of its torque channel."""
+        if not self.passed:
+            return ()
+        return (
+            "the torque channel smooths, which shows beside all that is told here, and did not "
+            f"without: the recorded torque has passed {self.passed}, or something like it; the "
+            "model fitted anew accounts for it",
         )
 
     def _lighter(self) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pa10d.effects import Context, Effect, Shape
 from pa10d.effects.together import columns_once
+from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model import Term, TorqueModel
 from pa10d.regression.equation import RunEquation
 from pa10d.regression.per_joint import Mask, PerJoint, gathered
@@ -73,6 +74,11 @@ class Side:
         """The same with the torque of all runs taken ``seconds`` later than it is now."""
         later = tuple(run.later(seconds) for run in self.runs)
         return replace(self, runs=later, kept_by_evidence={})
+
+    def behind(self, channel: TorqueFilter | None) -> Side:
+        """The same with columns that pass such a torque channel."""
+        runs = tuple(replace(r, lowpass=replace(r.lowpass, channel=channel)) for r in self.runs)
+        return replace(self, runs=runs, kept_by_evidence={})
 
     def through(self, model: TorqueModel) -> Side:
         """The same with the loads and torques of a model."""

@@ -14,6 +14,7 @@ from pa10d.diagnose.regression.least_squares import LeastSquares, solved
 from pa10d.diagnose.regression.majority import agreed
 from pa10d.diagnose.regression.side import Side
 from pa10d.effects import Effect
+from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model import Term, TorqueModel, Unknowns, vector_of
 from pa10d.regression.bodies import widely
 from pa10d.regression.per_joint import PerJoint, assembled, predict, rms
@@ -133,6 +134,16 @@ class SearchState:
             if taken and "elsewhere" in term.shape:
                 shape = {name: v for name, v in term.shape.items() if name != "elsewhere"}
                 self.replace_term(index, replace(term, shape=shape))
+
+    def behind(self, channel: TorqueFilter) -> SearchState:
+        """A refitted copy of which all columns pass such a torque channel."""
+        kept = self.model.base.kept
+        train, held = self.train.behind(channel), self.held.behind(channel)
+        model, rigid = replace(self.model, channel=channel), (train.rigid(kept), held.rigid(kept))
+        copy = replace(self, model=model, train=train, held=held, rigid=rigid)
+        copy.blocks = [copy._columns(term) for term in self.terms]
+        copy.refit()
+        return copy
 
     def weigh(self, sigma: Array | None) -> None:
         """Weight joints by 1/σ² (None: by what the fit leaves of each); the caller refits."""

@@ -17,6 +17,7 @@ from pa10d.diagnose.constants import CORNERS, LEAST_GAIN, LOOSE, MATERIAL_GAIN, 
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.harm import rms
 from pa10d.diagnose.search.refining import refine
+from pa10d.model import TorqueModel
 from pa10d.regression.layout import has_sign
 
 Array = NDArray[np.float64]
@@ -49,8 +50,9 @@ def sharper_instead(state: SearchState, joints: tuple[int, ...], left: Array) ->
     friction there does: the fit side asks for it as for a finding, and no more is left than with
     that, (n,) N·m held out. Identification sees what happens as a joint turns round, too, where a
     short way over which friction builds up looks like a soft corner; in steady motion that is
-    missing at low speed."""
-    if state.frozen or len(joints) != 1:
+    missing at low speed. Of a model that was identified from faster motion that is no change.
+    """
+    if len(joints) != 1:
         return None
     (joint,) = joints
     for index, term in enumerate(state.terms):
@@ -70,6 +72,17 @@ def sharper_instead(state: SearchState, joints: tuple[int, ...], left: Array) ->
         found.problem = found.problem.with_term(index, sharp)
         return found
     return None
+
+
+def sharpened(given: TorqueModel, state: SearchState) -> dict[int, tuple[float, float]]:
+    """joint (0-based) -> speeds of the corner of its dry friction, as given and as it is now, where
+    it has become sharper."""
+    out = {}
+    for was, now in zip(given.terms, state.terms, strict=False):
+        over = was.effect.smoothed_over
+        if over and was.joints == now.joints and now.shape[over] < was.shape[over]:
+            out[was.joints[0]] = was.shape[over], now.shape[over]
+    return out
 
 
 def turned(state: SearchState, index: int, speed: float) -> SearchState:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import (
     AS_WELL,
+    CHANNEL_ROUNDS,
     LEAST_GAIN,
     LEAST_STEPS,
     MATERIAL_GAIN,
@@ -23,6 +24,7 @@ from pa10d.diagnose.constants import (
 from pa10d.diagnose.evidence.errors_of import term_covariance
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, scan, sharpened
+from pa10d.diagnose.search.channel import behind_channel, tuned
 from pa10d.diagnose.search.corners import sharper_instead, with_corners
 from pa10d.diagnose.search.harm import harmful, rms, spoils, taken_by, turns_worse
 from pa10d.diagnose.search.judging import JudgedCandidate, Judging, Place, Suspects
@@ -92,6 +94,9 @@ class Search:
         if self._exchanged():
             self._forward(steps, refused)
             self._without_unsure(steps, refused)
+        if self._behind_channel():
+            self._forward(steps, refused)
+            self._without_unsure(steps, refused)
         return self
 
     def _exchanged(self) -> bool:
@@ -111,6 +116,23 @@ class Search:
                     step.chosen = rival
                     step.rivals = [one for one in step.rivals if one is not rival]
         return exchanged
+
+    def _behind_channel(self) -> bool:
+        """Let all columns pass what the torque has passed, where that shows by now; what stood in
+        for it goes."""
+        found = behind_channel(self.state) if self.suspects else None
+        if found is None:
+            return False
+        self.state = found
+        self.settle()
+        for _ in range(CHANNEL_ROUNDS):
+            other = tuned(self.state)
+            if other is self.state:
+                break
+            self.state = other
+            self.settle()
+        self.prune()
+        return True
 
     def _without_unsure(self, steps: int, refused: set[Place]) -> set[Place]:
         """Drop what is unsure and go on without it until all is sure; says what was not."""

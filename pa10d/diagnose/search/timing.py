@@ -46,9 +46,9 @@ def align(state: SearchState, contradicting: bool = False) -> float:
         limit = TIMING_MOST_SAMPLES / state.train.runs[0].lowpass.rate
         if abs(taken + offset) > limit:
             break
-        before = _sizes(state)
+        before = sizes(state)
         _move(state, offset)
-        after = _sizes(state)
+        after = sizes(state)
         # what the fit side asks for must hold on the other side too, and where the arm turns round
         better = np.all(after.sum(axis=1) <= before.sum(axis=1))
         agreed = shared(offset, delays, errors) or (contradicting and _helps(before, after))
@@ -72,8 +72,8 @@ def _move(state: SearchState, seconds: float) -> None:
     state.refit()
 
 
-def _sizes(state: SearchState) -> Array:
-    """(2, k): logarithm of judged joints' squared held-out errors, without and with reversals."""
+def sizes(state: SearchState) -> Array:
+    """(2, k): logarithms of judged joints' squared held-out errors, without and with reversals."""
     residual = state.held_residual()
     judged = [j for j in range(state.held.n) if len(residual[j])]
     without = [np.mean(residual[j] ** 2) for j in judged]

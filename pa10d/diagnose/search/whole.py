@@ -34,7 +34,8 @@ def fitted_to_all(
     names = {run.name for run in fit}
     if not versions or names.isdisjoint(run.name for run in held):
         return list(versions)
-    whole, judged = Side.of([equation(given, run) for run in fit]), Side.of(held)
+    passed = replace(given, channel=versions[-1].channel)  # as a search may have found it
+    whole, judged = Side.of([equation(passed, run) for run in fit]), Side.of(held)
     before = [residual_of(given, run) for run in held]
     return [_one(given, version, whole, judged, before) for version in versions]
 

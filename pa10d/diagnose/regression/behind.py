@@ -1,0 +1,65 @@
+"""How the torque of a model moves with the channel that it is recorded through."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.diagnose.constants import SLOPE_STEP
+from pa10d.diagnose.regression.state import SearchState
+from pa10d.measurement.signals import through_channel
+from pa10d.measurement.torque_filter import TorqueFilter
+from pa10d.regression.per_joint import PerJoint
+from pa10d.regression.winding import seen_by
+
+Array = NDArray[np.float64]
+
+
+def torque_of(state: SearchState) -> list[Array]:
+    """(N, n) N·m per run of the fit side, as it is before the channel."""
+    return [state.model.sensed(seen_by(state.model, run)) for run in state.train.runs]
+
+
+def moved_by(
+    state: SearchState, torque: list[Array], to: TorqueFilter | None, since: TorqueFilter | None
+) -> PerJoint:
+    """joint -> (m_j, 1) weighted: a model's torque (N, n) per run behind one channel, less what it
+    is behind another."""
+    changes = [
+        through_channel(one, to, run.lowpass.rate) - through_channel(one, since, run.lowpass.rate)
+        for run, one in zip(state.train.runs, torque, strict=True)
+    ]
+    return _recorded(state, changes)
+
+
+def _recorded(state: SearchState, torque: list[Array]) -> PerJoint:
+    """joint -> (m_j, 1) weighted, of (N, n) per run as it comes out of the channel."""
+    rows = [
+        replace(run, lowpass=replace(run.lowpass, channel=None)).filtered(one)
+        for run, one in zip(state.train.runs, torque, strict=True)
+    ]
+    return {
+        j: state.train.gathered([one[:, j : j + 1] for one in rows], j) / state.fit.sigma[j]
+        for j in range(state.train.n)
+    }
+
+
+def channel_slopes(state: SearchState) -> PerJoint:
+    """joint -> (m_j, 2) weighted: how the model's torque moves with the channel's own time and with
+    what else it is late by, per second; (m_j, 0) where none
+    is known, or all of it was."""
+    channel = state.train.runs[0].lowpass.channel
+    if channel is None or state.frozen:
+        return {j: basis[:, :0] for j, basis in state.fit.basis.items()}
+    torque = torque_of(state)
+    step = SLOPE_STEP * channel.seconds
+    ends = [replace(channel, seconds=channel.seconds + way * step) for way in (1.0, -1.0)]
+    own = moved_by(state, torque, *ends)
+    rates = [
+        -np.gradient(through_channel(one, channel, run.lowpass.rate), axis=0) * run.lowpass.rate
+        for run, one in zip(state.train.runs, torque, strict=True)
+    ]
+    late = _recorded(state, rates)
+    return {j: np.column_stack([own[j] / (2.0 * step), late[j]]) for j in own}

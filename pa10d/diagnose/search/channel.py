@@ -1,0 +1,138 @@
+"""What the torque channel has passed, asked once more beside all that was found.
+
+Identification asks it of the textbook model (0195), and what that lacks may hide it: joints
+contradict each other in how late they are, and a low-pass goes for a delay. It smears each step of
+friction behind its reversal then, and bristles stand in for that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.diagnose.evidence.held_out import quadratic_form
+from pa10d.diagnose.regression.behind import moved_by, torque_of
+from pa10d.diagnose.regression.partial import solve_symmetric
+from pa10d.diagnose.regression.shapes import free_shapes
+from pa10d.diagnose.regression.slopes import with_slopes
+from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.timing import sizes
+from pa10d.identify.channel import AGREED, CLOSER, DELAYED, LEAST_DELAY, between
+from pa10d.identify.timing import SIGNIFICANT
+from pa10d.measurement.torque_filter import DELAYS, TorqueFilter
+from pa10d.regression.per_joint import PerJoint
+
+Array = NDArray[np.float64]
+Gains = tuple[Array, Array]
+Asks = Callable[[TorqueFilter], Gains]
+
+
+def behind_channel(state: SearchState) -> SearchState | None:
+    """The same behind the low-pass that suits all joints best, all shapes as they are; None where
+    torque is not late, where none is significant, where all joints but the one that asks most would
+    not ask for it, or where motion held out is no better told with it."""
+    first = state.train.runs[0]
+    late = first.shift * first.lowpass.cutoff
+    if state.frozen or first.lowpass.channel is not None or late < LEAST_DELAY or state.train.n < 2:
+        return None
+    asks = _asking(state, {})
+    each = {k: _of_kind(k, first.shift / late, asks) for k, late in DELAYS.items()}
+    channel, (gains, errors) = max(each.values(), key=lambda one: float(one[1][0].sum()))
+    if not _agreed(gains, errors):
+        return None
+    trial = state.behind(channel)
+    before, after = sizes(state), sizes(trial)
+    return trial if np.all(after.sum(axis=1) < before.sum(axis=1)) else None
+
+
+def tuned(state: SearchState) -> SearchState:
+    """The same behind such a channel as suits best with shapes anew beside it: they were settled
+    beside another one, or none, and each would follow the other. The state itself where the channel
+    stays."""
+    now = state.train.runs[0].lowpass.channel
+    if now is None:
+        return state
+    channel, _ = _of_kind(now.kind, now.seconds, _asking(state, _slopes(state)))
+    return state if channel == now else state.behind(channel)
+
+
+def _of_kind(kind: str, seconds: float, asks: Asks) -> tuple[TorqueFilter, Gains]:
+    """The filter of a kind, of about so many seconds, with the largest gain of all joints."""
+
+    def tried(parts: Iterable[float]) -> dict[float, Gains]:
+        return {p: asks(TorqueFilter(kind, p * seconds)) for p in parts}
+
+    def most() -> float:
+        return max(known, key=lambda part: float(known[part][0].sum()))
+
+    known = tried(DELAYED)
+    for _ in range(CLOSER):
+        known |= tried(between(sorted(known), most()))
+    return TorqueFilter(kind, most() * seconds), known[most()]
+
+
+def _agreed(gains: Array, errors: Array) -> bool:
+    """Do all joints together ask for it, and all but the one that asks most? By as much as a
+    parameter of so many standard errors: the gain g of what is there has the error 2·√g."""
+    others = np.ones(len(gains))
+    others[np.argmax(gains)] = 0.0
+    return _over(gains, errors) > SIGNIFICANT and _over(others * gains, others * errors) > AGREED
+
+
+def _over(gains: Array, errors: Array) -> float:
+    return 2.0 * float(gains.sum() / max(float(np.sqrt(np.sum(errors**2))), 1e-300))
+
+
+def _slopes(state: SearchState) -> PerJoint:
+    """joint -> (m_j, s) weighted: how the torque of all terms beyond dry friction moves with their
+    shapes, beyond what coefficients absorb. They were settled without the channel, and stand in."""
+    fit, train = state.fit, state.train
+    parts: dict[int, list[Array]] = {j: [] for j in range(train.n)}
+    for term in state.terms:
+        if not free_shapes(term.effect, term.shape):
+            continue
+        count, moved = len(term.coefficients), with_slopes(train, term)
+        width = next(iter(moved.values())).shape[1] - count
+        for j in range(train.n):
+            own = moved[j][:, count:] if j in moved else np.zeros((len(fit.basis[j]), width))
+            parts[j].append(own / fit.sigma[j])
+    columns = {j: np.column_stack([fit.basis[j][:, :0], *own]) for j, own in parts.items()}
+    return _beyond(fit.basis, columns)
+
+
+def _beyond(basis: PerJoint, columns: PerJoint) -> PerJoint:
+    """Columns (m_j, k) without what an orthonormal basis has of them over all joints."""
+    seen = np.sum([basis[j].T @ columns[j] for j in columns], axis=0)
+    return {j: columns[j] - basis[j] @ seen for j in columns}
+
+
+def _asking(state: SearchState, slopes: PerJoint) -> Asks:
+    """By channel: (n,) what each joint's squared weighted error falls by behind it, coefficients
+    anew and shapes along their ``slopes`` (m_j, s), and (n,) the standard error that the noise
+    which is left gives it."""
+    fit, train, n = state.fit, state.train, state.train.n
+    torque, now = torque_of(state), train.runs[0].lowpass.channel
+    gram = np.sum([s.T @ s for s in slopes.values()], axis=0)
+
+    def asks(channel: TorqueFilter) -> Gains:
+        left = _beyond(fit.basis, moved_by(state, torque, channel, now))
+        own = {j: left[j][:, 0] for j in range(n)}
+        if slopes:
+            seen = np.sum([slopes[j].T @ own[j] for j in range(n)], axis=0)
+            moved = solve_symmetric(gram, seen)
+            own = {j: own[j] - slopes[j] @ moved for j in range(n)}
+        gains = np.array([2.0 * own[j] @ fit.residual[j] - own[j] @ own[j] for j in range(n)])
+        moves = train.scatter(own)
+        noise = train.scatter({j: fit.residual[j] - own[j] for j in range(n)})
+        errors = [
+            sum(
+                quadratic_form(m[:, j], e[:, j], k[:, j], run.rate)
+                for m, e, k, run in zip(moves, noise, train.keep, train.runs, strict=True)
+            )
+            for j in range(n)
+        ]
+        return gains, 2.0 * np.sqrt(np.maximum(errors, 0.0))
+
+    return asks

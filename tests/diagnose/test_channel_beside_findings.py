@@ -1,0 +1,102 @@
+"""A low-pass that identification took for a delay is told beside what was found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+import scipy
+from two_links import NAMES, recordings, robot
+
+from pa10d.diagnose.evidence import stated as errors
+from pa10d.diagnose.evidence.stated import stated
+from pa10d.diagnose.regression.sides import two_sides
+from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.channel import behind_channel, tuned
+from pa10d.diagnose.search.refining import refine
+from pa10d.diagnose.search.steps import Search
+from pa10d.effects import effect
+from pa10d.identify.procedure import identify
+from pa10d.measurement.recording import Recording
+from pa10d.measurement.signals import delayed
+from pa10d.measurement.torque_filter import TorqueFilter
+
+HERTZ = 8.0
+LATE = 0.5 / np.pi / HERTZ
+
+
+def smoothed(run: Recording, joints: tuple[int, ...]) -> Recording:
+    """These joints behind a first-order low-pass, as firmware steps it; the others as late."""
+    pole = np.exp(-2 * np.pi * HERTZ / run.rate)
+    passed, _ = scipy.signal.lfilter([1 - pole], [1, -pole], run.tau, axis=0, zi=pole * run.tau[:1])
+    tau = delayed(run.tau, LATE, run.rate)
+    tau[:, joints] = passed[:, joints]
+    return Recording(run.name, run.t, run.q, tau)
+
+
+@cache
+def made_and_identified():
+    made = recordings(3)
+    return made, identify([made[name] for name in NAMES[:2]], robot(), name="m0")
+
+
+@cache
+def taken_for_late(joints: tuple[int, ...]) -> SearchState:
+    """Seen by a model that knows of the delay alone."""
+    made, late = made_and_identified()
+    runs = [smoothed(made[name], joints) for name in NAMES]
+    model = replace(late, shift=LATE, channel=None)
+    train, held, _ = two_sides(model, runs[:2], runs[2:])
+    return SearchState.start(model, train, held)
+
+
+def test_what_all_joints_have_passed_is_found():
+    found = behind_channel(taken_for_late((0, 1)))
+    assert found.model.channel.kind == "first order"
+    assert 0.5 / np.pi / found.model.channel.seconds == pytest.approx(HERTZ, rel=0.2)
+    assert np.all(found.fit.rms() < 0.9 * taken_for_late((0, 1)).fit.rms())
+
+
+@pytest.mark.parametrize("joints", [(), (0,)])
+def test_what_is_late_alone_or_smoothed_on_one_joint_is_no_channel(joints):
+    assert behind_channel(taken_for_late(joints)) is None
+
+
+@pytest.mark.long
+def test_a_search_goes_on_behind_it():
+    """Nothing is missing there, and bristles are no stand-in."""
+    state = taken_for_late((0, 1)).copy()
+    asked = [(effect("presliding_hysteresis"), (j,)) for j in (0, 1)]
+    search = Search(state, asked, len(state.terms))
+    search.run(1)
+    assert search.state.model.channel is not None
+    assert len(search.state.terms) == len(state.terms)
+
+
+def test_a_channel_is_tuned_with_shapes_that_followed_another_one():
+    """Settled beside half the delay, they and it would each keep the other where it is."""
+    state = taken_for_late((0, 1)).behind(TorqueFilter("first order", 0.5 * LATE))
+    for index, term in enumerate(state.terms):
+        if term.effect.smoothed_over:
+            refine(state, 0, index)
+    state.refit()
+    better = tuned(state)
+    assert better.model.channel.seconds == pytest.approx(LATE, rel=0.15)
+
+
+def test_what_is_known_of_the_channel_is_in_the_errors_beside_it(monkeypatch):
+    """How sharply friction turns round, and what a low-pass smears, go for each other."""
+    state = behind_channel(taken_for_late((0, 1)))
+    everything = range(len(state.terms))
+    with_it = stated(state, everything)
+    none = {j: basis[:, :0] for j, basis in state.fit.basis.items()}
+    monkeypatch.setattr(errors, "channel_slopes", lambda _: none)
+    without = stated(state, everything)
+    more = np.diag(with_it.covariance) / np.diag(without.covariance)
+    assert np.all(more > 0.999)
+    sharp = [
+        with_it.shape_errors[i]["v0"] / without.shape_errors[i]["v0"] for i in with_it.shape_errors
+    ]
+    assert max(sharp) > 1.1
