@@ -63,7 +63,7 @@ const pa10dPlots = (() => {
   };
   const config = { responsive: true, displaylogo: false, displayModeBar: "hover",
                    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
-  const drawn = new Map();
+  const drawn = new Map(), widths = new WeakMap(), heights = new WeakMap(); // widths: drawn for; heights: before
   /** The buttons lie over the picture's upper right corner: where a legend reaches so far, they move up. */
   const clear = (box) => {
     const bar = box.querySelector(".modebar"), holder = box.querySelector(".modebar-container"), keys = [...box.querySelectorAll(".legend .legendtext")];
@@ -76,16 +76,38 @@ const pa10dPlots = (() => {
   const draw = async (box, figure) => {
     const first = !drawn.has(box);
     drawn.set(box, figure);
+    widths.set(box, box.clientWidth);
+    if (first) heights.set(box, box.style.height);
+    box.style.height = heights.get(box);
     const form = underEachOther(stacked(grown(figure.layout), box.clientWidth), box.clientWidth);
     if (form.height > box.clientHeight) box.style.height = `${form.height}px`;
     const layout = { ...wrapped(form, box.clientWidth), template: template(), autosize: true };
     const done = await Plotly.react(box, figure.data, layout, config);
-    if (first) box.on("plotly_afterplot", () => clear(box));
+    if (first) {
+      box.on("plotly_afterplot", () => clear(box));
+      resized.observe(box);
+    }
     clear(box);
     return done;
   };
+  /** The window, or a section that was not to be seen while the window or its colours changed. A zoom stays
+      where the panels stay as they stand. */
+  const resized = new ResizeObserver((entries) => {
+    for (const { target: box } of entries) {
+      const before = widths.get(box), width = box.clientWidth, narrow = NARROW * larger();
+      if (!width || width === before) continue;
+      if (!before || (width > narrow) !== (before > narrow)) draw(box, drawn.get(box));
+      else {
+        widths.set(box, width);
+        Plotly.Plots.resize(box);
+      }
+    }
+  });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-    for (const [box, figure] of drawn) draw(box, figure);
+    for (const [box, figure] of drawn) {
+      if (box.clientWidth) draw(box, figure);
+      else widths.set(box, 0); // once it is seen again
+    }
   });
   return { draw };
 })();

@@ -284,3 +284,31 @@ def test_a_zoomed_plot_has_every_sample(archive):
     assert whole["dx"] > 0.01
     assert part["dx"] == pytest.approx(0.002)
     assert part["x0"] == pytest.approx(20.0, abs=0.002)
+
+
+def test_a_plot_fits_its_place_though_the_window_changed_while_another_section_was_seen(
+    archive, visit
+):
+    url, _ = archive
+    visitor = visit(url, viewport={"width": 1280, "height": 800})
+    page = visitor.page
+    visitor.open("runs")
+    page.get_by_role("button", name="train_a", exact=True).click()
+    page.locator("#run-detail .main-svg").first.wait_for()
+    page.goto(f"{url}/#/explore")
+    page.locator("#explore h1").wait_for()
+    page.set_viewport_size({"width": 390, "height": 800})
+    page.emulate_media(color_scheme="dark")
+    page.locator("#explore summary", has_text="Models").click()
+    wide = "document.documentElement.scrollWidth > innerWidth"
+    assert not page.evaluate(wide), "a list that is open lies within the window"
+    page.goto(f"{url}/#/runs")
+    page.locator("#run-detail .main-svg").first.wait_for()
+    fits = """(() => {
+      const plot = document.querySelector("#run-detail .canvas");
+      const drawn = plot.querySelector(".main-svg").getBoundingClientRect().width;
+      return drawn > 0 && Math.abs(drawn - plot.clientWidth) < 2;
+    })()"""
+    until(page, fits)
+    assert not page.evaluate(wide)
+    assert not visitor.errors

@@ -89,6 +89,7 @@ def test_a_stranger_gets_from_an_empty_page_to_a_lower_error(arm, visit, whole):
     card.get_by_role("button", name="Add to model").click()
     added = card.get_by_role("link", name=re.compile("Added as m1"))
     added.wait_for(timeout=FOLLOWED)
+    assert page.locator("#asked", has_text="Asked of m0").count() == 1  # m1 is chosen by now
     added.click()
     page.locator(".stairs .canvas .main-svg").first.wait_for(timeout=FOLLOWED)
     stairs = page.evaluate(

@@ -26,7 +26,7 @@ export function mount(box) {
   }) }, "What is missing?");
   frozen.addEventListener("change", () => { start.textContent = frozen.checked ? "What has changed?" : "What is missing?"; });
   const earlier = el("select", { "aria-label": "earlier diagnoses", onchange: () => { if (earlier.value) location.hash = `#/diagnose/${earlier.value}`; } });
-  parts = { model, fit, judge, body: el("div", { id: "findings" }) };
+  parts = { model, fit, judge, earlier, body: el("div", { id: "findings" }) };
   fill(box, heading("diagnose", "Diagnose", { Diagnose: "Press 'What is missing?'.", Read: "It is below.", Settle: "The button is below." }),
     el("div", { class: "panel row pickers" }, model.box, fit.box, judge.box,
       el("label", { title: "Nothing is refitted: for an arm that was well described before" }, frozen, " what changed since?"), start, earlier),
@@ -37,6 +37,7 @@ export function mount(box) {
     fill(earlier, el("option", { value: "" }, "earlier ones"), state.diagnoses.map((job) =>
       el("option", { value: job.id }, `${nameOfModel(job.request.model)}, ${when(job.created)}${job.status === "succeeded" ? "" : ` (${job.status})`}`)));
     earlier.hidden = !state.diagnoses.length;
+    earlier.value = shown ?? "";
   });
 }
 
@@ -44,6 +45,7 @@ export function mount(box) {
 function ofModel(model) {
   parts.model.value = model;
   parts.fit.ids = parts.judge.ids = shown = null;
+  parts.earlier.value = "";
   fill(parts.body, empty(`Press 'What is missing?' to ask which physical effect ${model} lacks.`));
   sayAddress("diagnose");
 }
@@ -57,6 +59,7 @@ export function show([id, model]) {
 
 async function open(id, started = null) {
   shown = id;
+  parts.earlier.value = id;
   sayAddress("diagnose", id);
   fill(parts.body, el("p", { class: "muted pad" }, "Every effect of the library is being tried on every joint …"));
   const job = started ?? await get(`diagnoses/${id}`);
@@ -79,7 +82,7 @@ async function open(id, started = null) {
     return;
   }
   const [verdict, ...rest] = sheet.sections;
-  fill(parts.body, verdict.blocks.map(block), where(whole.result, sheet.findings.map((one) => one.title)),
+  fill(parts.body, el("p", { class: "muted", id: "asked" }, `Asked of ${nameOfModel(job.request.model)}, ${when(job.created)}.`), verdict.blocks.map(block), where(whole.result, sheet.findings.map((one) => one.title)),
     sheet.findings.map((finding, k) => card(finding, whole, k)),
     (sheet.unexplained ?? []).map((one, k) => unexplained(one, whole, k)), rest.map((one) => sectionOf(one)));
 }
