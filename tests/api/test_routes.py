@@ -102,6 +102,21 @@ def test_a_broken_upload_says_line_and_column(arm, tmp_path):
     assert "bad.csv" in refused.value.problem["detail"]
 
 
+@pytest.mark.parametrize("name", ["a/b", ".a", " a"])
+def test_a_name_that_cannot_be_is_refused_before_anything_begins(arm, http, name):
+    before = http.get("/api/v1/jobs").json()["total"]
+    one = {"kind": "tracking", "name": name}
+    for path, asked in {
+        "experiments": one,
+        "experiments/series": {"experiments": [one | {"replace": True}]},
+        "models": {"runs": ["train"], "name": name},
+    }.items():
+        with pytest.raises(ApiError, match="expected") as refused:
+            arm.start(path, asked)
+        assert refused.value.status == 400, path
+    assert http.get("/api/v1/jobs").json()["total"] == before
+
+
 def test_unknown_things_are_not_found(arm):
     for path in ("runs/nothing", "models/nothing", "jobs/nothing", "diagnoses/x", "comparisons/x"):
         with pytest.raises(ApiError) as missing:

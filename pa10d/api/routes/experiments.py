@@ -125,9 +125,9 @@ async def start_tracking(
     models = [(await find_model(daemon, model)).id for model in request.models]
     found: JsonObject = {**request.model_dump(), "models": models}
     asked = TrackingRequest(**found)
-    if not request.replace:
-        for number in range(len(asked.laws)):
-            await refuse_taken_run(daemon, asked.run_name(number), "; or replace: true")
+    for number in range(len(asked.laws)):
+        name = asked.run_name(number)
+        await refuse_taken_run(daemon, name, "; or replace: true", replace=asked.replace)
     require_ready(daemon)
     return accepted(tracking_job(daemon, asked), response)
 
@@ -180,8 +180,7 @@ async def _checked(daemon: Daemon, request: ExperimentRequest) -> MotionRequest:
         model = daemon.robot.law.model
     if controller in WITH_MODEL and model is None:
         raise Problem("refused", f"{controller}: expected 'model', the name of a model")
-    if not request.replace:
-        await refuse_taken_run(daemon, request.name, "; or replace: true")
+    await refuse_taken_run(daemon, request.name, "; or replace: true", replace=request.replace)
     found: JsonObject = {**request.model_dump(), "controller": controller, "model": model}
     return MotionRequest(**found)
 

@@ -32,6 +32,7 @@ from pa10d.identify import FitOptions
 from pa10d.regression.layout import told_place
 from pa10d.store.entries import SetAside, is_own_file
 from pa10d.store.models import ModelInfo
+from pa10d.store.names import checked_name
 
 router = APIRouter(tags=["models"])
 
@@ -259,6 +260,7 @@ def _refuse_slips(daemon: Daemon, info: ModelInfo, request: AddRequest) -> None:
 async def _check(
     daemon: Daemon, runs: list[str], request: IdentifyRequest | AddRequest | ImproveRequest
 ) -> None:
+    checked_name(request.name)
     await find_runs(daemon, runs, request.force)
     taken = any(i.name == request.name for i in await daemon.shelf(daemon.models.all))
     if taken and not request.replace:

@@ -92,8 +92,8 @@ async def import_recording(
     forced, and the file waits on."""
     may_replace(asked.replace)
     async with files.taken(file) as held:
-        if not asked.replace:
-            await refuse_taken_run(daemon, asked.name, "; or give replace: true")
+        way_out = "; or give replace: true"
+        await refuse_taken_run(daemon, asked.name, way_out, replace=asked.replace)
         found = await daemon.answer(
             "import_file", file=str(held.path), profile=str(daemon.profile.path),
             mapping=asked.map, name=asked.name, replace=asked.replace, check=True,

@@ -21,6 +21,7 @@ from pa10d.daemon.daemon import Daemon
 from pa10d.services.soundness import refuse_unsound
 from pa10d.store import RunInfo
 from pa10d.store.entries import SetAside
+from pa10d.store.names import checked_name
 
 router = APIRouter(prefix="/runs", tags=["runs"])
 Format = Literal["csv", "mcap", "parquet", "mat"]
@@ -120,8 +121,7 @@ async def import_run(
     ``map`` reads a column as a field: ``map=torque_1=tau1``, ``map=pos_{n}[deg]=q``.
     """
     may_replace(replace)
-    if not replace:
-        await refuse_taken_run(daemon, name, "; or give replace=true")
+    await refuse_taken_run(daemon, name, "; or give replace=true", replace=replace)
     plain = plain_name(filename)
     async with place_for(daemon) as place:
         path = Path(place) / plain
@@ -174,8 +174,13 @@ async def find_runs(daemon: Daemon, wanted: list[str], force: bool) -> list[RunI
     return infos
 
 
-async def refuse_taken_run(daemon: Daemon, name: str | None, way_out: str = "") -> None:
-    """Say at once what the store would say later."""
-    infos = () if name is None else await daemon.shelf(daemon.runs.all)
+async def refuse_taken_run(
+    daemon: Daemon, name: str | None, way_out: str = "", *, replace: bool = False
+) -> None:
+    """Say at once what the store would say later, with the arm moved to the start for nothing."""
+    if name is None:
+        return
+    checked_name(name)
+    infos = () if replace else await daemon.shelf(daemon.runs.all)
     if any(info.name == name for info in infos):
         raise Problem("conflict", f"there is a run {name!r} already{way_out}")
