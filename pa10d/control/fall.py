@@ -76,10 +76,11 @@ class Weighed:
 @dataclass(frozen=True)
 class Driven:
     """By what a joint fell: torque: N·m that it was given in the mean over its way; rise: rad/s²,
-    in the mean as well, from rest."""
+    in the mean as well, from rest; swings: its rotor did meanwhile, so that this is rough."""
 
     torque: float
     rise: float
+    swings: bool = False
 
 
 class FallWatch:
@@ -120,6 +121,29 @@ class FallWatch:
     def driven(self, axis: int) -> Driven | None:
         """By what this joint fell."""
         return driven(*self._falling(axis))
+
+    def swinging(
+        self,
+        axis: int,
+        now: tuple[float, float, float],
+        place: float,
+        most: float,
+        inertia: float | None,
+    ) -> tuple[Driven | None, Weighed | None]:
+        """The same of a joint that goes away from its place in turns, and what would have held it:
+        see ``swinging``. now: s, rad, N·m of this cycle, which it has not ``seen`` yet; place: rad;
+        most, inertia: see ``weighed``."""
+        seen = self._rows[np.arange(max(0, self._count - KEPT), self._count) % KEPT]
+        rows = np.vstack([seen[:, [0, 1 + axis, 1 + self._n + axis]], now])
+        time, q, sent = rows.T
+        there = np.flatnonzero(np.abs(q - place) <= LEFT)
+        away = slice(int(there[-1]) if len(there) else 0, None)
+        fell = swinging(time[away], q[away], sent[away])
+        if fell is None or inertia is None:
+            return fell, None
+        begin = float(sent[away][0])
+        found = _lacked(begin, *_by_way(fell, begin, inertia))
+        return fell, None if found is None or abs(found.torque) > most else found
 
     def under(self, axis: int, thought: float) -> tuple[float, float]:
         """N·m, least and most, under which it went since it stood last; ``thought`` for one that
@@ -292,9 +316,15 @@ def roughly(time: Array, q: Array, sent: Array, inertia: float) -> Weighed | Non
         found, covariance = _fitted(speed, columns)
         if found[2] < -SURE * np.sqrt(covariance[2, 2]):
             return None
+    return _lacked(float(sent[0]), least, most)
+
+
+def _lacked(begin: float, least: float, most: float) -> Weighed | None:
+    """What holds a joint that lacked so many N·m, at least and at most, of what it began with."""
+    if least * most <= 0.0 or abs(most) > WIDEST * abs(least):
+        return None
     taken = 2.0 * least * most / (least + most)
     error = max(abs(taken - least), abs(most - taken)) / SURE
-    begin = float(sent[0])
     return Weighed(begin + taken, error, (begin + least, begin + most))
 
 
@@ -336,6 +366,18 @@ def driven(time: Array, q: Array, sent: Array) -> Driven | None:
     half = np.append(np.ones(len(way) - 1), 0.5)  # up to where the last speed is that of
     far = float(half @ way)
     return Driven(float((half * way) @ sent[:-1]) / far, float(speed[-1]) ** 2 / (2.0 * far))
+
+
+def swinging(time: Array, q: Array, sent: Array) -> Driven | None:
+    """By how far it got since it was at its place last, and by when. A light rotor swings on its
+    spring as its link falls: its speed tells nothing of that. None where it was farther before, or
+    went one way only, which ``driven`` tells better."""
+    way = q - q[0] if len(q) else q
+    if len(way) < FEWEST or np.abs(way).argmax() != len(way) - 1:
+        return None
+    if (np.sign(way[-1]) * np.diff(way) > -STIRS).all():
+        return None
+    return Driven(float(sent[:-1].mean()), float(2.0 * way[-1] / (time[-1] - time[0]) ** 2), True)
 
 
 def _falling(time: Array, q: Array, sent: Array) -> tuple[Array, Array, Array] | None:

@@ -135,6 +135,13 @@ class Holding:
         thought, most = float(self.thought[axis]), float(self._heaviest[axis])
         return self._falls.weighed(axis, thought, most, self._presumed(axis))
 
+    def swinging(self, axis: int) -> tuple[Driven | None, Weighed | None]:
+        """Both of one that goes away in turns."""
+        joints = self._joints
+        now = joints.time, float(joints.q[axis]), float(joints.sent[axis])
+        place, most = float(joints.reference.q[axis]), float(self._heaviest[axis])
+        return self._falls.swinging(axis, now, place, most, self._presumed(axis))
+
     def in_vain(self, axis: int) -> str:
         """With what this joint was to be held, for a URDF may say too little, or too much; and what
         it weighs, where that can be told from the way it fell."""

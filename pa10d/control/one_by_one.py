@@ -110,10 +110,11 @@ class OneByOne:
         slides = far >= 2.0 * FELL and abs(speed) > CREEPS  # by viscous friction no faster
         if not gone or error * speed <= 0.0 or not (slides or rise > 0.0):
             return False
-        fell = holding.driven(axis)
+        fell, told = holding.driven(axis), holding.by_this_fall(axis)
+        if fell is None and fast >= BARELY:
+            fell, told = holding.swinging(axis)
         if trials.count >= TRIALS or fell is None or not joints.bears:
             return False
-        told = holding.by_this_fall(axis)
         if told is None and slides and rise <= 0.0:  # faster: its torque may act the wrong way
             told = in_vain(float(holding.thought[axis]), float(joints.sent[axis]))
         found = trials.next(fell, told)

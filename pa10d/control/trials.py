@@ -64,7 +64,12 @@ class Trials:
             gained = before.rise / fell.rise - 1.0  # by the step, of what is lacking yet
             if gained <= 0.0:
                 return None
-            found = fell.torque + step * min(FURTHER, 1.0 / gained)
+            more = step * min(FURTHER, 1.0 / gained)
+            if fell.swings:  # two that are rough tell hardly by how much they differ
+                if told is None:
+                    return None
+                more = float(np.copysign(min(abs(more), abs(told.torque - fell.torque)), more))
+            found = fell.torque + more
             ends = (min(found, fell.torque), max(found, fell.torque))
             return Weighed(found, abs(found - fell.torque) / SURE, ends)
         if told is None:
