@@ -54,9 +54,29 @@ def test_what_has_no_number_has_to_be_missed(monkeypatch, second, alone, told, k
         with_numbers, "not_one", lambda term, found: term.joints == (1,) and not told
     )
     state = State(alone, [spring(0), second(1)])
-    search = SimpleNamespace(state=state, fixed=0, settle=lambda: None)
+    search = SimpleNamespace(state=state, fixed=0, settle=lambda: None, floor=None)
     needed_without_numbers(search, None, [])
     assert [t.joints for t in search.state.terms] == [(0,), (1,)][:kept]
+
+
+@pytest.mark.parametrize(
+    ("alone", "floor", "kept"), [(1.2, 0.1, 1), (1.5, 0.1, 2), (1.2, 0.9, 2), (1.2, np.nan, 2)]
+)
+def test_what_has_no_number_and_takes_less_than_is_left_is_not_told(
+    monkeypatch, alone, floor, kept
+):
+    """Friction that grows at rest was "Stribeck friction" for a fifth of its error, no number of
+    it determined, with nine times the noise left."""
+    monkeypatch.setattr(
+        with_numbers, "snapshot", lambda *_: SimpleNamespace(term_values=lambda index: {})
+    )
+    monkeypatch.setattr(with_numbers, "not_one", lambda term, found: term.joints == (1,))
+    state = State(alone, [spring(0), other(1)])
+    search = SimpleNamespace(
+        state=state, fixed=0, settle=lambda: None, floor=np.array([1.0, floor])
+    )
+    needed_without_numbers(search, None, [])
+    assert len(search.state.terms) == kept
 
 
 @pytest.mark.parametrize(("doubt", "kept"), [(1.2, 0), (0.3, 1)])
@@ -68,6 +88,6 @@ def test_a_spring_that_may_as_well_be_nothing_is_no_finding(monkeypatch, doubt, 
         with_numbers, "snapshot", lambda *_: SimpleNamespace(term_values=lambda index: values)
     )
     state = State(1.5, [spring(0)])
-    search = SimpleNamespace(state=state, fixed=0, settle=lambda: None)
+    search = SimpleNamespace(state=state, fixed=0, settle=lambda: None, floor=None)
     needed_without_numbers(search, None, [])
     assert len(search.state.terms) == kept

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import MATERIAL_GAIN
 from pa10d.diagnose.search.harm import rms
@@ -14,6 +15,8 @@ from pa10d.effects import Value
 from pa10d.judgement import RunResidual
 from pa10d.model import Term, TorqueModel
 from pa10d.model.estimates import may_be_nothing, not_one
+
+Array = NDArray[np.float64]
 
 
 def only_with_numbers(search: Search, given: TorqueModel, as_given: Sequence[RunResidual]) -> None:
@@ -44,7 +47,8 @@ def needed_without_numbers(
     """Drop what has not one number that the data determine where nothing is the worse for it once
     the others are fitted anew: another finding, not yet refined when it came, had left what it
     took. Of a single spring much is fitted at once, and nothing else has left it; but what has no
-    number and may as well be nothing is no finding, whatever columns of its shape take.
+    number and may as well be nothing is no finding, whatever columns of its shape take. Nor is what
+    takes less than is left: as far as anybody knows that is one with what it took.
 
     as_given: the held-out side as the given model saw it
     """
@@ -52,7 +56,7 @@ def needed_without_numbers(
     found = search.state.terms[search.fixed :]
     springs = [t for t in found if t.effect.series_spring]
     asked = [t for t in found if not t.effect.series_spring or len(springs) > 1]
-    if len(found) < 2 or not asked:
+    if not asked:
         return
     version = snapshot(given, search.state, len(search.state.terms), as_given)
     for index in reversed(range(search.fixed, len(search.state.terms))):
@@ -63,8 +67,19 @@ def needed_without_numbers(
         saved, before = search.state.copy(), rms(search.state.held_residual())
         search.state.drop(index)
         search.settle()
-        if np.any(rms(search.state.held_residual()) > (1.0 + MATERIAL_GAIN) * before):
+        without = rms(search.state.held_residual())
+        needed = len(found) < 2 or bool(np.any(without > (1.0 + MATERIAL_GAIN) * before))
+        if needed and not _less_than_is_left(without, before, search.floor):
             search.state = saved
+
+
+def _less_than_is_left(without: Array, left: Array, floor: Array | None) -> bool:
+    """Is less than half taken of what is above the noise on the joint that it helps most? (n,) N·m
+    RMS held out, without something and with it, and of the noise, nan where that is not known."""
+    best = int(np.argmax((without**2 - left**2) / without**2))
+    if floor is None or not np.isfinite(floor[best]):
+        return False
+    return bool(left[best] ** 2 - floor[best] ** 2 > without[best] ** 2 - left[best] ** 2)
 
 
 def _without_shares(search: Search, given: TorqueModel, as_given: Sequence[RunResidual]) -> None:
