@@ -52,6 +52,26 @@ def test_it_stays_where_what_is_held_out_pays_for_it():
     assert kept.shape_errors["v0"] == pytest.approx(BLUNT - two_links.V0, rel=0.1)
 
 
+def dragging(t, q, dq, ddq):
+    """(N, 2) N·m of a joint 1 whose friction is of air or oil alone: v·|v|, nothing dry."""
+    out = np.zeros_like(q)
+    out[:, 0] = 6.0 * dq[:, 0] * np.abs(dq[:, 0])
+    out[:, 0] -= two_links.COULOMB[0] * smooth_sign(dq[:, 0], two_links.V0)
+    return out
+
+
+def test_friction_below_zero_is_no_corner():
+    """Viscous friction less a blunt sign rises as a drag does."""
+    runs = two_links.recordings(extra=dragging)
+    model = two_links.textbook(runs)
+    index = [(t.effect_id, t.joints) for t in model.terms].index(("coulomb", (0,)))
+    open_ = replace(model.terms[index], shape={"v0": 2.0 * two_links.V0}, shape_errors={})
+    terms = (*model.terms[:index], open_, *model.terms[index + 1 :])
+    state = with_corners(two_links.state_of(runs, replace(model, terms=terms)))
+    found = state.terms[index]
+    assert found.shape["v0"] <= 2.0 * two_links.V0 or found.coefficients[0] >= 0.0
+
+
 def test_what_the_given_model_knows_is_left_alone():
     state, index = begun(True, True)
     known = replace(state.terms[index], shape_errors={"v0": 0.001})

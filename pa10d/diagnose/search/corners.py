@@ -4,6 +4,7 @@ What builds up over a way looks, on fast motion, like a sign that is soft: the f
 blunt corner with something else, and slow motion pays it back. A corner that is too soft, in turn,
 leaves at low speed what looks like friction of another law. So a corner that may as well be sharp
 moves to where the held-out side is best, among those that the fit side has no reason to refuse.
+Friction below zero has no corner: viscous friction less a blunt sign rises as a drag does.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ def sharper_instead(state: SearchState, joints: tuple[int, ...], left: Array) ->
         gain = len(state.train.tau[joint]) * (1.0 - (found.fit.rms()[joint] / had) ** 2)
         alike = rms(found.held_residual())[joint] <= (1.0 + MATERIAL_GAIN) * left[joint]
         turns = found.moving_rms()[joint] <= state.moving_rms()[joint]
-        if not (gain >= LEAST_GAIN and alike and turns):
+        if not (gain >= LEAST_GAIN and alike and turns and _rubs(found, index)):
             return None
         sharp = replace(found.terms[index], shape_errors={**term.shape_errors, over: float(best)})
         found.problem = found.problem.with_term(index, sharp)
@@ -105,9 +106,8 @@ def _with_corner(state: SearchState, index: int) -> SearchState:
     term = state.terms[index]
     over, joint = term.effect.smoothed_over, term.joints[0]
     was, asked = term.shape[over], _fitted(state, index)
-    trials = {was: state} | {
-        v: turned(state, index, v) for v in (asked, *was * CORNERS) if v != was
-    }
+    moved = {v: turned(state, index, v) for v in (asked, *was * CORNERS) if v != was}
+    trials = {was: state} | {v: one for v, one in moved.items() if _rubs(one, index)}
     fit = {v: rms(one.train_residual())[joint] for v, one in trials.items()}
     held = {v: rms(one.held_residual())[joint] for v, one in trials.items()}
     least = (1.0 + MATERIAL_HARM) * min(fit.values())
@@ -122,6 +122,11 @@ def _with_corner(state: SearchState, index: int) -> SearchState:
     kept = replace(found.terms[index], shape_errors={**term.shape_errors, over: apart})
     found.problem = found.problem.with_term(index, kept)
     return found
+
+
+def _rubs(state: SearchState, index: int) -> bool:
+    """Not below zero: a fit knows no bounds."""
+    return bool(np.all(state.terms[index].coefficients >= 0.0))
 
 
 def _fitted(state: SearchState, index: int) -> float:
