@@ -74,6 +74,9 @@ def check_angles(recording: Recording, robot: Robot | None, known: Known) -> Ite
     geared, alone = _geared(turning, known.ratios), _alone(far, turning)
     severity: Severity = "error" if sure else "warning"
     told = _Told(recording, robot, far, stated, known.ratios).by_whom()
+    swapped = () if "by dq" in told.because else _exchanged(recording, robot, far)
+    if swapped:  # limits and weight were asked of what may be torques
+        told = _Answer()
     if told.unit == "deg":
         yield CheckFinding(
             severity, "degrees", f"{reaches}: these look like degrees{told.because}",
@@ -93,13 +96,16 @@ def check_angles(recording: Recording, robot: Robot | None, known: Known) -> Ite
         off = _whole_turns_off(recording, robot, far)
         a_turn = "whole turns off, " if off else ""
         told_off = f"turns: --map {_options(off)}; " if off else ""
+        if swapped:
+            a_turn = "q and tau in each other's columns, " + a_turn
+            told_off = f"exchanged: --map {_options(swapped)}; " + told_off
         yield CheckFinding(
             severity, "angle_unit",
             f"{reaches}: {a_turn}degrees, or angles at the motor{turns}; neither speeds nor limits "
             f"nor weight tell which{told.because}",
             f"{told_off}degrees: --map {_options(degrees)}{alone}; at the motor: --map "
             f"{_options(geared)}{_ratio(known)}",
-            mends=tuple(replace(m, complete=False) for m in (*off, *degrees, *geared)),
+            mends=tuple(replace(m, complete=False) for m in (*swapped, *off, *degrees, *geared)),
         )  # fmt: skip
 
 
@@ -245,6 +251,26 @@ def _whole_turns_off(recording: Recording, robot: Robot | None, far: Flags) -> t
     q = np.stack([centred(recording.q[:, j], turn) for j in joints], axis=1)
     within = (q >= robot.lower[joints]) & (q <= robot.upper[joints])
     return tuple(Mend(f"q{j + 1}", "wrap2pi*rad") for j in joints) if within.all() else ()
+
+
+def _exchanged(recording: Recording, robot: Robot | None, far: Flags) -> tuple[Mend, ...]:
+    """Where what is called a torque runs as an angle does: smoother than what is called the angle,
+    and between the joint's limits. Friction and noise make a torque the rougher of the two."""
+    q, tau = recording.q[:, far], recording.tau[:, far]
+    if robot is None or (_rough(q) <= _rough(tau)).any():
+        return ()
+    within = (tau >= robot.lower[far]) & (tau <= robot.upper[far])
+    if not within.all():
+        return ()
+    columns = [(f"q{j + 1}", f"tau{j + 1}") for j in range(recording.joints)]
+    pairs = [*columns, *((tau, q) for q, tau in columns)]
+    return tuple(Mend(field, "", source=other) for field, other in pairs)
+
+
+def _rough(values: Array) -> Array:
+    """(samples, k) → (k,): how much of it is from sample to sample, in any unit."""
+    spread = np.maximum(values.std(axis=0), 1e-300)
+    return np.asarray(np.diff(values, 2, axis=0).std(axis=0) / spread)
 
 
 def _of_all(turning: Flags, unit: str, complete: bool) -> tuple[Mend, ...]:

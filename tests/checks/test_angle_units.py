@@ -81,6 +81,16 @@ def test_a_zero_that_lies_elsewhere_tells_no_unit(clean, robot):
     assert said.code == "angle_unit"
 
 
+def test_torques_in_the_columns_of_angles_are_not_only_called_degrees(clean, robot):
+    noise = np.random.default_rng(3).normal(0, 0.5, clean.tau.shape)
+    rubbed = clean.tau + noise + 2.0 * np.sign(np.gradient(clean.q, axis=0))
+    (said,) = _said(replace(clean, q=rubbed, tau=clean.q), robot)
+    assert "q and tau in each other's columns, degrees" in said.sentence
+    assert said.advice.startswith("exchanged: --map tau1=q1 tau2=q2")
+    (said,) = _said(replace(clean, q=np.degrees(clean.q), tau=0.01 * rubbed), robot)
+    assert "each other's" not in said.sentence, "an angle is smooth in any unit"
+
+
 @pytest.mark.parametrize("ratios", [None, RATIOS])
 def test_weight_tells_degrees(clean, robot, ratios):
     (said,) = _said(replace(clean, q=np.degrees(clean.q)), robot, ratios=ratios)
