@@ -20,6 +20,11 @@ from pa10d.profile import Profile, Simulation
 SPREAD = 0.2  # by which masses differ from the URDF's; friction and rotors by more
 DRAWS = 400  # until an effect falls on the joint that was asked for
 OF_A_BODY = {"cx": " m", "cy": " m", "cz": " m", "inertia": " kg·m²"}
+OF_THE_PLANT = {
+    "sin": " N·m", "cos": " N·m", "K": " N·m/rad", "D": " N·m·s/rad", "Ia": " kg·m²", "q0": " rad",
+    "displacements": " rad", "centre": " rad", "width": " rad", "cubic": " (N·m)⁻²",
+}  # fmt: skip
+"""Of parameters that the simulated laws have under names of their own."""
 OWN_PLANT = str(Simulation().plant)
 
 
@@ -72,7 +77,11 @@ def _units(effect: str) -> dict[str, str]:
     if (kind := all_effects().get(effect)) is None:
         return OF_A_BODY
     found = {c.name: c.unit for c in kind.coefficients} | {s.name: s.unit for s in kind.shapes}
-    return OF_A_BODY | {name: "" if unit == "1" else f" {unit}" for name, unit in found.items()}
+    return (
+        OF_A_BODY
+        | OF_THE_PLANT
+        | {name: "" if unit == "1" else f" {unit}" for name, unit in found.items()}
+    )
 
 
 def _a_change(entry: Mapping[str, Any]) -> bool:

@@ -88,5 +88,8 @@ def test_what_was_hidden_is_told_in_units():
     stribeck = {"effect": "stribeck", "joint": 4, "Fs": 4.0, "vs": 0.1, "delta": 1.0}
     told = "stribeck in joint 4 (Fs = 4.0 N·m, vs = 0.1 rad/s, delta = 1.0)"
     assert Hidden((stribeck,)).in_words() == told
+    ripple = {"effect": "torque_ripple", "joint": 4, "N": 25.0, "sin": 1.4, "cos": 0.5}
+    told = "torque_ripple in joint 4 (N = 25.0 cycles/rev, sin = 1.4 N·m, cos = 0.5 N·m)"
+    assert Hidden((ripple,)).in_words() == told
     payload = {"effect": "payload", "mass": 1.5, "cx": 0.01}
     assert Hidden((payload,)).in_words() == "payload (mass = 1.5 kg, cx = 0.01 m)"
