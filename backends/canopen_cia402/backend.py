@@ -142,6 +142,7 @@ class CanopenBackend:
 
     def begin_reset(self) -> None:
         self._powered, self._sequence = False, None
+        self._cut.clear()
         kinds = {axis: found.kind for axis, found in self._watch.faults.items()}
         if self._cycle is None or None in kinds:
             self.close()

@@ -100,6 +100,7 @@ class Brakes:
         for axis in self._axes:
             if axis in cut:
                 self._turn(axis, True)
+                allowed[axis] = Control.DISABLE_VOLTAGE  # whoever switches off the others
             else:
                 allowed[axis] = self._allowed(axis, words[axis], statuses[axis] & 0x6F)
             self._insist(axis)

@@ -32,7 +32,7 @@ from pa10d.control.pid import Controller, Pid
 from pa10d.control.punctuality import Starved
 from pa10d.control.reference import MotionUnderWay
 from pa10d.control.states import EACH, POWERED, REMEDIES, SWITCHING, ArmState, Refused, require
-from pa10d.control.stop import Stop, StopProgress
+from pa10d.control.stop import DrivesStop, Stop, StopProgress
 from pa10d.control.torque_path import TorquePath
 from pa10d.control.whereabouts import GIVE, Whereabouts, why_not_believed
 
@@ -82,6 +82,7 @@ class Arm:
         self._gravity, self._share = gravity, np.ones(backend.n)
         self._was_weighed = False  # by what it was felt to weigh
         self._stop: Stop | None = None
+        self._by_drives: DrivesStop | None = None  # of axes that take no torque of ours
         self._open_since = 0.0  # s, when the last brake opened
         self._held_at: Array | None = None  # where the arm was held when its brakes closed
         self._held_by: tuple[Array, Array] | None = None  # the same, and the torque that held it
@@ -330,6 +331,8 @@ class Arm:
             self._stop_further(self._stop)
         elif self.state in SWITCHING or self.maybe_powered:
             self._switch_further()
+        if self._by_drives is not None:
+            self._watch_drives(self._by_drives)
         if self.state == ArmState.ENABLING:
             self.path.watch_standing()
         elif self.state in POWERED:
@@ -412,9 +415,6 @@ class Arm:
             self.motion.advance(self.path.reference)
 
     def _stop_further(self, stop: Stop) -> None:
-        if stop.by_drives:
-            for axis in stop.runs_on():
-                self._leave_to_its_brake(axis)
         progress = stop.advance()
         if progress == StopProgress.OVERDUE and not stop.by_drives:
             raise stop.overdue()
@@ -424,6 +424,20 @@ class Arm:
             self._hold()
         else:
             self._power_off()
+
+    def _watch_drives(self, stop: DrivesStop) -> None:
+        """Which axes their own drives brake, all of them or those that take no torque any more, and
+        whether they do, until all of them are off."""
+        if self.state not in (ArmState.STOPPING, ArmState.DISABLING):
+            self._by_drives = None
+            return
+        for axis in stop.runs_on(None if self.path.limp else ~self.path.live):
+            if self._stop is None:
+                self.path.let_go()
+                self._asked_off = False  # as it is cut off nobody goes on switching the others off
+            elif not self._stop.by_drives:
+                self._leave_it_to_the_drives()
+            self._leave_to_its_brake(axis)
 
     def _go_on_blindly(self) -> None:
         """Nobody may ever report the end of the drives' own stop: it is given its time."""
@@ -453,6 +467,8 @@ class Arm:
         self._latch(fault, error)
         if fault.dead_axis is not None:
             self.path.live[fault.dead_axis] = False
+        if fault.drive_goes_on:
+            self._by_drives = DrivesStop(self.path, self.backend.period)
         if self.state == ArmState.DISABLING:
             self._brake_on(fault)
         elif self.state not in POWERED:
@@ -477,6 +493,7 @@ class Arm:
         if self._stop is not None and self._stop.by_drives:
             return
         self._begin_stop(ArmState.FAULT, by_drives=True)
+        self._by_drives = DrivesStop(self.path, self.backend.period)
         with contextlib.suppress(Exception):
             asked("quick_stop", self._brakes_by_drives())
 

@@ -76,6 +76,12 @@ class Fault:
         return self.axis if self.device or self.kind == "stale" else None
 
     @property
+    def drive_goes_on(self) -> bool:
+        """Whether a dead axis has power, and is to be stopped by a drive that may not be able to:
+        it sees what our torque was not to be trusted to."""
+        return self.kind == "encoder_jump"
+
+    @property
     def whole_bus(self) -> bool:
         """Whether no axis can be stopped by the loop."""
         return self.device and self.axis is None

@@ -11,6 +11,7 @@ from __future__ import annotations
 from enum import Enum
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pa10d.control.faults import LoopFault
 from pa10d.control.reference import Braking
@@ -38,6 +39,39 @@ class StopProgress(Enum):
     OVERDUE = 2
 
 
+class DrivesStop:
+    """Axes that their own drives are to stop from now on, along ramps of their own."""
+
+    def __init__(self, path: TorquePath, period: float) -> None:
+        self._path = path
+        until = max(BEGINS, LATE * period)
+        self._begins, velocity = path.time + until, path.limits.velocity
+        self._most = np.maximum(FASTER * np.abs(path.dq), MUCH * velocity)
+        falls = FASTER * (np.abs(path.dq) + until * path.rise)  # a light one is over its limit soon
+        self._cap = np.maximum.reduce([self._most, velocity, falls])
+        self._least = np.full(len(velocity), np.inf)  # rad/s since ramps began
+        self._ran_on = np.zeros(len(velocity), dtype=bool)
+
+    def runs_on(self, among: NDArray[np.bool_] | None = None) -> list[int]:
+        """Axes that get faster though their drives brake them, each told once: motor or encoder are
+        the wrong way round, or what it bears is more than its drive can hold. So is one whose
+        encoder has told nonsense, if it goes on telling; of others that are given up nothing is
+        known. among: (n,) which; None: all."""
+        path, speed = self._path, np.abs(self._path.dq)
+        if path.time < self._begins:
+            self._most = np.clip(FASTER * speed, self._most, self._cap)
+        else:
+            self._least = np.minimum(self._least, speed)
+        again = (
+            speed > self._least + path.limits.velocity
+        )  # as no ramp makes it, however fast it was
+        fast = ((speed > self._most) | again) & (path.live | (path.age == 0)) & ~self._ran_on
+        if among is not None:
+            fast &= among
+        self._ran_on |= fast
+        return [int(axis) for axis in np.flatnonzero(fast)]
+
+
 class Stop:
     """``after``: HOLDING, INACTIVE or FAULT, the state that follows once the arm rests."""
 
@@ -57,22 +91,6 @@ class Stop:
         span = DRIVES_STOP if by_drives else own
         self._deadline = path.time + span
         self._rest_since = path.time
-        until = max(BEGINS, LATE * period)
-        self._begins = path.time + until
-        self._most = np.maximum(FASTER * np.abs(path.dq), MUCH * limits.velocity)
-        falls = FASTER * (np.abs(path.dq) + until * path.rise)  # a light one is over its limit soon
-        self._cap = np.maximum.reduce([self._most, limits.velocity, falls])
-        self._ran_on = np.zeros(len(self._most), dtype=bool)
-
-    def runs_on(self) -> list[int]:
-        """Axes that get faster though their drives brake them, each told once: motor or encoder are
-        the wrong way round, or what it bears is more than its drive can hold."""
-        speed = np.abs(self._path.dq)
-        if self._path.time < self._begins:
-            self._most = np.clip(FASTER * speed, self._most, self._cap)
-        fast = (speed > self._most) & self._path.live & ~self._ran_on
-        self._ran_on |= fast
-        return [int(axis) for axis in np.flatnonzero(fast)]
 
     def advance(self) -> StopProgress:
         """One period on."""

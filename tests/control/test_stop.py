@@ -16,7 +16,7 @@ from pa10d.control.journal import Journal
 from pa10d.control.pid import Pid
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
-from pa10d.control.stop import Stop
+from pa10d.control.stop import DrivesStop
 
 
 def arm_with_servo(hertz, viscous=0.05, integral=1.0):
@@ -120,10 +120,9 @@ def test_what_falls_gathers_speed_until_its_drive_brakes_it(driven_on, told):
     speed = np.array([-2.36])
     path = SimpleNamespace(
         limits=replace(limits(1), velocity=np.array([3.0])), bandwidth=20.0, time=0.0, dq=speed,
-        rise=np.array([rise]), live=np.ones(1, dtype=bool),
-        reference=SimpleNamespace(dq=np.zeros(1)),
+        rise=np.array([rise]), live=np.ones(1, dtype=bool), age=np.zeros(1),
     )  # fmt: skip
-    stop, found = Stop(path, period, ArmState.FAULT, by_drives=True), []
+    stop, found = DrivesStop(path, period), []
     for cycle in range(1, 20):
         path.time = cycle * period
         gains = rise if cycle < 5 else (driven_on or -400.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from backends.faults import fault
 from pa10d.control.faults import LoopFault
 
 WRONG = 1  # 0-based
@@ -12,12 +13,13 @@ WRONG = 1  # 0-based
 
 @pytest.mark.by_default("another joint was too fast first")
 @pytest.mark.parametrize(
-    ("kind", "named", "faster"),
-    [("wrong_sign", WRONG, 0.05), ("not_held", 0, 0.5)],
-    ids=["it is known", "another joint was too fast first"],
+    ("kind", "named", "faster", "jumps"),
+    [("wrong_sign", WRONG, 0.05, False), ("not_held", 0, 0.5, False), ("not_held", 0, 0.5, True)],
+    ids=["it is known", "another joint was too fast first", "its encoder jumped, too"],
 )
-def test_its_own_ramp_does_not_drive_it_on(world, kind, named, faster):
-    """22 rad/s before; all others stop along their ramps. faster: rad/s, until that is seen."""
+def test_its_own_ramp_does_not_drive_it_on(world, kind, named, faster, jumps):
+    """22 rad/s before; all others stop along their ramps. faster: rad/s, until that is seen. One
+    that takes no torque any more because its encoder jumped is watched as well."""
     seen, at = [], {}
     cycle = world.arm.path.watch
 
@@ -34,6 +36,8 @@ def test_its_own_ramp_does_not_drive_it_on(world, kind, named, faster):
         mechanics.motors = np.where(np.arange(world.robot.n) == WRONG, -1.0, 1.0)
         at.update(q=mechanics.q.copy(), speed=np.abs(mechanics.velocity))
         world.arm._on_fault(LoopFault(kind, "moved by itself", named))
+        if jumps:
+            world.arm._on_fault(fault("encoder_jump", "encoder jumped by 21488 counts", WRONG))
         yield world.is_in("fault")
         yield world.passes(0.5)
 
