@@ -68,6 +68,7 @@ from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
 from pa10d.model.estimates import no_estimates, not_one
+from pa10d.regression.noisy_limits import share_limits
 
 Array = NDArray[np.float64]
 NOT_ONE = (
@@ -108,6 +109,7 @@ def diagnose(
     say(0.0, "filtering")
     before, model = model, in_band(model)
     known = of_own_runs([before], model.cutoff)
+    share_limits([*fit, *validate], model.robot)
     train, held, words = two_sides(model, fit, validate)
     say(0.1, "fitting the given model")
     state = SearchState.start(model, train, held, frozen)

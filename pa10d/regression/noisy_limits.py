@@ -9,7 +9,7 @@ other way is its other end, be it come to but once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -77,6 +77,27 @@ def noisy_limits(recording: Recording, robot: Robot) -> tuple[NoisyLimit, ...]:
 
 
 _KEPT = "_noisy_limits"
+
+
+def share_limits(recordings: Sequence[Recording], robot: Robot) -> None:
+    """A limit that one run proves ends the torque of the others, too, be it come to but once there:
+    one arm's runs, with one sensor. From now on ``noisy_limits`` knows it of each of them."""
+    own = {id(run): noisy_limits(run, robot) for run in recordings}
+    proven = {(one.joint, one.largest): one.level for each in own.values() for one in each}
+    for run in recordings if proven else ():
+        if _KEPT not in vars(run):
+            continue  # too long to be asked
+        known = {(one.joint, one.largest) for one in own[id(run)]}
+        more = tuple(_at_known(run, {k: v for k, v in proven.items() if k not in known}))
+        vars(run)[_KEPT] = (robot, own[id(run)] + more)
+
+
+def _at_known(run: Recording, proven: Mapping[tuple[int, bool], float]) -> Iterator[NoisyLimit]:
+    for (j, largest), level in proven.items():
+        side = 1.0 if largest else -1.0
+        top = _top(side * run.tau[:, j], run.rate, 1)
+        if top is not None and abs(side * top.level - level) < top.band:
+            yield _limit(j, side, top, run)
 
 
 def _found(recording: Recording, robot: Robot) -> Iterator[NoisyLimit]:

@@ -15,7 +15,7 @@ from pa10d.measurement.clipped import clipped
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.spans import spans
 from pa10d.regression.equation import prepare
-from pa10d.regression.noisy_limits import noisy_limits, with_limits
+from pa10d.regression.noisy_limits import noisy_limits, share_limits, with_limits
 
 TOP = 22.0  # N·m of joint 1, of which the motion asks 29 to 40
 NOISE = 0.05 * np.sqrt(CUTOFF / 100.0)  # N·m RMS within the band
@@ -127,3 +127,22 @@ def test_what_is_merely_flat_is_no_limit(seed):
     assert not noisy_limits(Recording("flat", t, q, only), robot())
     for run in recordings(seed, rubbing).values():
         assert not noisy_limits(run, robot())
+
+
+def test_a_limit_that_one_run_proves_ends_the_others_too():
+    """Come to but once in a run, its torque had made "a contact" and "friction of a place"."""
+    exact = recordings(1, noise=0.0)
+    proof, whole = noisily_cut(recordings(noise=0.0)["fit_a"], 0.05, 1), exact["valid_b"]
+    ((first, end),) = spans(whole.tau[:, 0] > TOP)
+    near = slice(max(0, first - 800), end + 800)
+    once = noisily_cut(
+        Recording("once", whole.t[near] - whole.t[near][0], whole.q[near], whole.tau[near]), 0.05, 1
+    )
+    once.tau[:, 0] = np.maximum(once.tau[:, 0], 5.0 - TOP)  # nor is its other end come to
+    other = recordings(4)["fit_b"]
+    assert not noisy_limits(once, robot())
+    share_limits([proof, once, other], robot())
+    assert not noisy_limits(other, robot())
+    (found,) = noisy_limits(once, robot())
+    assert (found.joint, found.largest) == (0, True)
+    assert found.at[whole.tau[near, 0] > TOP].mean() > 0.97
