@@ -68,8 +68,7 @@ def check_angles(recording: Recording, robot: Robot | None, known: Known) -> Ite
     if not far.any():
         return
     sure = bool((far & ~_unbounded(robot, n)).any())  # without limits it may turn on and on
-    reaches = f"q reaches {largest[far].max():.4g} on joint "
-    reaches += ", ".join(str(j + 1) for j in _which(far))
+    reaches = f"q reaches {largest[far].max():.4g} on {joint_words(_which(far))}"
     degrees = _of_all(turning, "deg", complete=True)
     geared, alone = _geared(turning, known.ratios), _alone(far, turning)
     severity: Severity = "error" if sure else "warning"

@@ -133,9 +133,9 @@ def add(options: argparse.Namespace) -> Answer:
         **vars(delivered(model)),
         "warnings": warnings,
     }
-    text = f"{info.name} ({info.id}): {model.change}; held-out RMS " + " ".join(
-        f"{v:.4g}" for v in held
-    )
+    errors = ", ".join(f"{v:.4g} {model.robot.torque_unit(j)}" for j, v in enumerate(held))
+    text = f"{info.name} ({info.id}): {model.change}; error on data held out of the fit, joint by "
+    text += f"joint: {errors} RMS"
     text += f"\nto undo, go on with {model.parent}: it stays as it is"
     return Answer(document, text)
 

@@ -143,9 +143,9 @@ class Header:
                 continue
             match = FIELD.fullmatch(name)
             if match and match[3] and int(match[3]) > n:
+                all_of = f"the {n} joint{'' if n == 1 else 's'} of {robot}"
                 columns.warnings.append(
-                    f"{self.where}: {name} is beyond the {n} joints of {robot}: "
-                    "kept as an extra channel"
+                    f"{self.where}: {name} is beyond {all_of}: kept as an extra channel"
                 )
             elif match and match[2]:
                 columns.warnings.append(

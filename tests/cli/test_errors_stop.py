@@ -4,6 +4,7 @@ what is mistyped is said before anything is started."""
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -230,3 +231,11 @@ def test_what_a_check_doubted_is_heard_again_by_whoever_fits(fitted, place, caps
         assert main(command) == 0
         said = capsys.readouterr()
         assert again in said.out + said.err, command
+
+
+@pytest.mark.long
+def test_what_add_tells_of_the_error_has_a_unit_for_every_joint(fitted, capsys):
+    added = ["add", "m0", "torque_offset", "--joint", "1", "--fit", "sound", "--name", "m1"]
+    assert main(added) == 0
+    said = capsys.readouterr().out
+    assert re.search(r"data held out of the fit, joint by joint: \S+ N·m, \S+ N·m RMS\n", said)

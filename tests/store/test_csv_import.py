@@ -88,7 +88,7 @@ def test_joints_beyond_the_robot_s_are_kept_with_a_warning(tmp_path, table):
     found = _read(write_csv(tmp_path / "a.csv", table), n=1)
     assert found.samples.q.shape == (400, 1)
     assert set(found.samples.extra) == {"q2", "tau2"}
-    assert all("beyond the 1 joints of arm" in w for w in found.header_warnings)
+    assert all("beyond the 1 joint of arm" in w for w in found.header_warnings)
 
 
 def test_dq_of_some_joints_only_is_kept_aside(tmp_path, table):
