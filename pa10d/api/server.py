@@ -13,6 +13,7 @@ import signal
 import socket
 import sys
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
@@ -45,7 +46,8 @@ log = logging.getLogger("pa10d")
 class Settings:
     """How to serve. Port 0: a free one. Without tokens only loopback addresses are allowed.
 
-    attached: end when standard input ends; secret: what the virtual arm hides.
+    attached: end when standard input ends; secret: what the virtual arm hides; ready: called once
+    requests are answered.
     """
 
     data: Path
@@ -57,6 +59,7 @@ class Settings:
     as_json: bool = False
     attached: bool = False
     secret: Secret | None = None
+    ready: Callable[[], None] = lambda: None
 
 
 def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
@@ -88,6 +91,7 @@ def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
         access = Access(tokens, frozenset(settings.names))
 
         def ready() -> None:
+            settings.ready()
             stack.enter_context(announced(settings.data, presence))
             if settings.as_json:
                 print(json.dumps({"url": url, "pid": os.getpid()}), flush=True)

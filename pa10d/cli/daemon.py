@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from pa10d.cli.answer import Answer, note
 from pa10d.cli.commands import Subcommands, positive, replace_option, whole_number
 from pa10d.cli.daemon_client import robot_options
+from pa10d.cli.progress import told_if_slow
 from pa10d.common.loading import loading
 from pa10d.control.laws import LAWS
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from pa10d.profile import Profile
 
 PORT = 8010
+STARTS = "pa10d starts; what is compiled the first time takes up to two minutes on a slow machine"
 OF_ANOTHER = (
     "these data are of another virtual arm so far ({0.profile}, --hide {0.hide} --seed {0.seed}, "
     "day {0.day}): recordings of two arms make a model of none; --data FOLDER keeps them apart"
@@ -141,6 +143,7 @@ def add_commands(commands: Subcommands) -> None:
 
 def serve(options: argparse.Namespace) -> Answer:
     """``serve``: until interrupted."""
+    ready = told_if_slow(STARTS)
     with loading():
         from backends.arm_lock import is_simulated
         from pa10d.api.access import tokens_from
@@ -165,6 +168,7 @@ def serve(options: argparse.Namespace) -> Answer:
         simulator=not options.no_sim,
         as_json=options.json,
         attached=options.attached,
+        ready=ready,
     )
     profile = _on_bus(profile, options)
     if options.clock or options.no_sim or is_simulated(profile):

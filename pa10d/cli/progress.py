@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import note
@@ -14,6 +16,17 @@ if TYPE_CHECKING:
 STEP = 0.1  # share of the whole between two lines that say the same words
 SETTLED = 0.05  # share from which on the time left can be told
 SHOWN_FROM = 10.0  # s left that are worth a remark in a line
+QUIET = 5.0  # s in which nobody at a terminal wonders
+
+
+def told_if_slow(words: str) -> Callable[[], None]:
+    """Says the words at a terminal in a few seconds, unless what is returned was called before."""
+    if not sys.stderr.isatty():
+        return lambda: None
+    waiting = threading.Timer(QUIET, note, [words])
+    waiting.daemon = True
+    waiting.start()
+    return waiting.cancel
 
 
 class ProgressLine:
