@@ -116,7 +116,6 @@ STEP_DAMPINGS = (0.0, 0.02, 0.1, 0.4, 2.0, 10.0)  # of one beside springs, likew
 #   a column's length, from next to what the data show least of to each parameter on its own
 MAJORITY_ROUNDS = (4, 12)  # Huber's weights find the neighbourhood, Tukey's forget the rest
 TIMING_ROUNDS = 3
-CHANNEL_ROUNDS = 3  # of a channel's time and the shapes beside it, each with the other free
 SMOOTH_ROUNDS = 2
 MAPS_PER_JOINT = 3  # that are judged held out
 FORETOLD_TRIED = 2  # sets of quantities per joint that are judged held out

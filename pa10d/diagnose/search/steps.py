@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import (
     AS_WELL,
-    CHANNEL_ROUNDS,
     LEAST_GAIN,
     LEAST_STEPS,
     MATERIAL_GAIN,
@@ -123,15 +122,14 @@ class Search:
         found = behind_channel(self.state) if self.suspects else None
         if found is None:
             return False
-        self.state = found
+        saved, self.state = self.state.copy(), found
         self.settle()
-        for _ in range(CHANNEL_ROUNDS):
-            other = tuned(self.state)
-            if other is self.state:
-                break
-            self.state = other
-            self.settle()
+        self.state = tuned(self.state)
+        self.settle()
         self.prune()
+        if spoils(saved, self.state):
+            self.state = saved
+            return False
         return True
 
     def _without_unsure(self, steps: int, refused: set[Place]) -> set[Place]:
