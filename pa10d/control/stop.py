@@ -62,9 +62,7 @@ class DrivesStop:
             self._most = np.clip(FASTER * speed, self._most, self._cap)
         else:
             self._least = np.minimum(self._least, speed)
-        again = (
-            speed > self._least + path.limits.velocity
-        )  # as no ramp makes it, however fast it was
+        again = speed > self._least + path.limits.velocity  # no ramp does, however fast it was
         fast = ((speed > self._most) | again) & (path.live | (path.age == 0)) & ~self._ran_on
         if among is not None:
             fast &= among

@@ -3,36 +3,50 @@
 from __future__ import annotations
 
 import sys
-import time
 
 import pytest
 
 from pa10d.cli import progress
 
 
+class Waiting:
+    """A timer whose time comes when the test says so."""
+
+    def __init__(self, seconds, call, arguments):
+        self.seconds, self.call, self.arguments = seconds, call, arguments
+        self.started = self.cancelled = False
+        made.append(self)
+
+    def start(self):
+        self.started = True
+
+    def cancel(self):
+        self.cancelled = True
+
+    def time_comes(self):
+        if self.started and not self.cancelled:
+            self.call(*self.arguments)
+
+
+made: list[Waiting] = []
+
+
 @pytest.fixture(autouse=True)
-def short(monkeypatch):
-    monkeypatch.setattr(progress, "QUIET", 0.05)
+def timers(monkeypatch):
+    made.clear()
+    monkeypatch.setattr(progress.threading, "Timer", Waiting)
 
 
-def waited(capsys, words: str, seconds: float = 10.0) -> str:
-    until, said = time.monotonic() + seconds, ""
-    while words not in said and time.monotonic() < until:
-        time.sleep(0.01)
-        said += capsys.readouterr().err
-    return said
-
-
-def test_a_slow_start_is_told_at_a_terminal(monkeypatch, capsys):
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
-    progress.told_if_slow("it compiles")
-    assert "it compiles" in waited(capsys, "it compiles")
-
-
-@pytest.mark.parametrize(("terminal", "in_time"), [(True, True), (False, False)])
-def test_nobody_else_reads_it(monkeypatch, capsys, terminal, in_time):
+@pytest.mark.parametrize(
+    ("terminal", "in_time", "told"),
+    [(True, False, True), (True, True, False), (False, False, False)],
+)
+def test_who_is_told(monkeypatch, capsys, terminal, in_time, told):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
     done = progress.told_if_slow("it compiles")
+    assert capsys.readouterr().err == "", "nobody wonders yet"
     if in_time:
         done()
-    assert waited(capsys, "it compiles", 0.3) == ""
+    for timer in made:
+        timer.time_comes()
+    assert ("it compiles" in capsys.readouterr().err) == told

@@ -48,8 +48,8 @@ def _recorded(state: SearchState, torque: list[Array]) -> PerJoint:
 
 def channel_slopes(state: SearchState) -> PerJoint:
     """joint -> (m_j, 2) weighted: how the model's torque moves with the channel's own time and with
-    what else it is late by, per second; (m_j, 0) where none
-    is known, or all of it was."""
+    what else it is late by, per second; (m_j, 0) where no channel is known, and of a model that
+    stays as it was, which knows its own."""
     channel = state.train.runs[0].lowpass.channel
     if channel is None or state.frozen:
         return {j: basis[:, :0] for j, basis in state.fit.basis.items()}
