@@ -33,7 +33,7 @@ from pa10d.judgement import (
 )
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
-from pa10d.regression.noisy_limits import share_limits
+from pa10d.regression.noisy_limits import sharing_limits
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], None]
@@ -108,7 +108,7 @@ def compare(
     if not recordings:
         raise UserError("nothing to compare with: expected at least one run")
     given, model = model, in_band(model, cutoff)
-    share_limits(recordings, model.robot)
+    recordings = sharing_limits(recordings, model.robot)
     residuals = []
     for index, recording in enumerate(recordings):
         progress(0.2 * index / len(recordings), f"run {recording.name}")

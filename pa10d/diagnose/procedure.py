@@ -68,7 +68,7 @@ from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
 from pa10d.model.estimates import no_estimates, not_one
-from pa10d.regression.noisy_limits import share_limits
+from pa10d.regression.noisy_limits import sharing_limits
 
 Array = NDArray[np.float64]
 NOT_ONE = (
@@ -109,7 +109,7 @@ def diagnose(
     say(0.0, "filtering")
     before, model = model, in_band(model)
     known = of_own_runs([before], model.cutoff)
-    share_limits([*fit, *validate], model.robot)
+    fit, validate = _sharing_limits(fit, validate, model)
     train, held, words = two_sides(model, fit, validate)
     say(0.1, "fitting the given model")
     state = SearchState.start(model, train, held, frozen)
@@ -258,6 +258,7 @@ def add(
     say(0.0, "filtering")
     suspects = lacking(model, effect_id, joints)
     model = in_band(model)
+    fit, validate = _sharing_limits(fit, validate, model)
     train, held, _ = two_sides(model, fit, validate)
     state = SearchState.start(model, train, held)
     as_given = held_out(model, state)
@@ -328,6 +329,14 @@ def lacking(model: TorqueModel, effect_id: str, joints: Sequence[int]) -> Suspec
             f"{named}: model '{model.name}' has it already; expected an effect that it lacks there"
         )
     return [one for one in asked if one not in there]
+
+
+def _sharing_limits(
+    fit: Sequence[Recording], held_out: Sequence[Recording], model: TorqueModel
+) -> tuple[list[Recording], list[Recording]]:
+    """Both sides are of one arm: what ends a torque in one ends it in the other."""
+    both = sharing_limits([*fit, *held_out], model.robot)
+    return both[: len(fit)], both[len(fit) :]
 
 
 def _told(model: TorqueModel) -> tuple[str, ...]:

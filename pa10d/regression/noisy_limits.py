@@ -79,17 +79,20 @@ def noisy_limits(recording: Recording, robot: Robot) -> tuple[NoisyLimit, ...]:
 _KEPT = "_noisy_limits"
 
 
-def share_limits(recordings: Sequence[Recording], robot: Robot) -> None:
-    """A limit that one run proves ends the torque of the others, too, be it come to but once there:
-    one arm's runs, with one sensor. From now on ``noisy_limits`` knows it of each of them."""
-    own = {id(run): noisy_limits(run, robot) for run in recordings}
-    proven = {(one.joint, one.largest): one.level for each in own.values() for one in each}
-    for run in recordings if proven else ():
-        if _KEPT not in vars(run):
-            continue  # too long to be asked
-        known = {(one.joint, one.largest) for one in own[id(run)]}
-        more = tuple(_at_known(run, {k: v for k, v in proven.items() if k not in known}))
-        vars(run)[_KEPT] = (robot, own[id(run)] + more)
+def sharing_limits(recordings: Sequence[Recording], robot: Robot) -> list[Recording]:
+    """The runs, which know each other's limits: one that one run proves ends the torque of the
+    others, too, be it come to but once there. One arm's runs, with one sensor."""
+    own = [noisy_limits(run, robot) for run in recordings]
+    proven = {(one.joint, one.largest): one.level for each in own for one in each}
+    out = []
+    for run, its in zip(recordings, own, strict=True):
+        others = {k: v for k, v in proven.items() if k not in {(n.joint, n.largest) for n in its}}
+        more = tuple(_at_known(run, others)) if _KEPT in vars(run) else ()  # else: too long
+        if more:
+            run = replace(run)
+            vars(run)[_KEPT] = (robot, its + more)
+        out.append(run)
+    return out
 
 
 def _at_known(run: Recording, proven: Mapping[tuple[int, bool], float]) -> Iterator[NoisyLimit]:

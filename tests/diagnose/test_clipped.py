@@ -15,7 +15,7 @@ from pa10d.measurement.clipped import clipped
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.spans import spans
 from pa10d.regression.equation import prepare
-from pa10d.regression.noisy_limits import noisy_limits, share_limits, with_limits
+from pa10d.regression.noisy_limits import noisy_limits, sharing_limits, with_limits
 
 TOP = 22.0  # N·m of joint 1, of which the motion asks 29 to 40
 NOISE = 0.05 * np.sqrt(CUTOFF / 100.0)  # N·m RMS within the band
@@ -141,8 +141,9 @@ def test_a_limit_that_one_run_proves_ends_the_others_too():
     once.tau[:, 0] = np.maximum(once.tau[:, 0], 5.0 - TOP)  # nor is its other end come to
     other = recordings(4)["fit_b"]
     assert not noisy_limits(once, robot())
-    share_limits([proof, once, other], robot())
-    assert not noisy_limits(other, robot())
-    (found,) = noisy_limits(once, robot())
+    _, sharing, unlike = sharing_limits([proof, once, other], robot())
+    assert not noisy_limits(unlike, robot())
+    assert not noisy_limits(once, robot()), "what is asked of it by itself is as before"
+    (found,) = noisy_limits(sharing, robot())
     assert (found.joint, found.largest) == (0, True)
     assert found.at[whole.tau[near, 0] > TOP].mean() > 0.97
