@@ -335,7 +335,7 @@ def _sharing_limits(
     fit: Sequence[Recording], held_out: Sequence[Recording], model: TorqueModel
 ) -> tuple[list[Recording], list[Recording]]:
     """Both sides are of one arm: what ends a torque in one ends it in the other."""
-    both = sharing_limits([*fit, *held_out], model.robot)
+    both = sharing_limits([*fit, *held_out], model.robot, model.notes.torque_ends)
     return both[: len(fit)], both[len(fit) :]
 
 

@@ -34,7 +34,7 @@ from pa10d.measurement.recording import Recording
 from pa10d.model import ModelNotes, TorqueModel
 from pa10d.model.notes import ShiftNote
 from pa10d.regression.layout import textbook
-from pa10d.regression.noisy_limits import sharing_limits, with_limits
+from pa10d.regression.noisy_limits import sharing_limits, torque_ends, with_limits
 from pa10d.regression.problem import LinearProblem
 from pa10d.regression.told import names_of
 
@@ -70,6 +70,7 @@ def identify(
             raise Cancelled("identification was cancelled")
 
     check(recordings, robot)
+    ends = torque_ends(recordings, robot)
     recordings = [with_limits(run, robot) for run in sharing_limits(recordings, robot)]
     slowest = options.faster_than
     speeds = None if slowest is None else check_speeds(slowest, robot)
@@ -145,6 +146,7 @@ def identify(
         robust=options.robust,
         faster_than=None if speeds is None else tuple(map(float, speeds)),
         prior=None if known is None else known.note(),
+        torque_ends=ends,
     )
     say(1.0, "done")
     return model_of(

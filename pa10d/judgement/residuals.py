@@ -89,7 +89,7 @@ def run_residual(model: TorqueModel, recording: Recording) -> RunResidual:
             f"run {recording.name!r} has {recording.joints} joints, "
             f"expected {model.robot.n} as in model {model.name!r}"
         )
-    run = with_limits(recording, model.robot)
+    run = with_limits(recording, model.robot, model.notes.torque_ends)
     equation = prepare(
         run, model.robot, model.cutoff, model.shift, channel=model.channel, stands=False
     )

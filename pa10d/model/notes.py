@@ -88,6 +88,16 @@ class LeftOutNote(Noted):
 
 
 @dataclass(frozen=True)
+class TorqueEndNote(Noted):
+    """Where a joint's torque channel ends, as the motion of a run proved. joint: from 1; level:
+    N·m (N); largest: the upper end."""
+
+    joint: int
+    level: float
+    largest: bool
+
+
+@dataclass(frozen=True)
 class Delivery(Noted):
     """What a search promised of a version, and what that achieves as it is stored: all on the same
     held-out samples in one band; None where no search made the model.
@@ -116,6 +126,7 @@ class ModelNotes(Noted):
     faster_than       (n,) rad/s: only faster samples were fitted
     judged_on         names of the runs that it was judged by when it was made
     noise_floor       (n,) N·m of what repeats by chance
+    torque_ends       which the runs of the fit prove; those of other runs may only come to them
     """
 
     condition_number: float | None = None
@@ -134,6 +145,7 @@ class ModelNotes(Noted):
     delivery: Delivery | None = None
     judged_on: tuple[str, ...] | None = None
     noise_floor: tuple[float, ...] | None = None
+    torque_ends: tuple[TorqueEndNote, ...] = ()
 
     def with_open(self, names: Iterable[str]) -> ModelNotes:
         """These are left open, too."""

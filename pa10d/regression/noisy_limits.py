@@ -9,7 +9,7 @@ other way is its other end, be it come to but once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -22,6 +22,7 @@ from pa10d.effects.base import smooth_sign
 from pa10d.measurement.clipped import FEWEST
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.spans import spans
+from pa10d.model.notes import TorqueEndNote
 from pa10d.regression.equation import RunEquation, prepare
 from pa10d.regression.layout import textbook
 
@@ -53,8 +54,14 @@ class NoisyLimit:
     at: Flags
 
 
-def with_limits(recording: Recording, robot: Robot) -> Recording:
-    """The recording, which knows where torques stand at limits that noise hides."""
+def with_limits(
+    recording: Recording, robot: Robot, known: Iterable[TorqueEndNote] = ()
+) -> Recording:
+    """The recording, which knows where torques stand at limits that noise hides.
+
+    known: what other runs of that arm proved
+    """
+    (recording,) = sharing_limits([recording], robot, known)
     found = noisy_limits(recording, robot)
     if not found:
         return recording
@@ -79,13 +86,29 @@ def noisy_limits(recording: Recording, robot: Robot) -> tuple[NoisyLimit, ...]:
 _KEPT = "_noisy_limits"
 
 
-def sharing_limits(recordings: Sequence[Recording], robot: Robot) -> list[Recording]:
+def torque_ends(recordings: Iterable[Recording], robot: Robot) -> tuple[TorqueEndNote, ...]:
+    """Each end of a torque channel that some of one arm's runs prove."""
+    found = {
+        (one.joint, one.largest): TorqueEndNote(one.joint + 1, one.level, one.largest)
+        for run in recordings
+        for one in noisy_limits(run, robot)
+    }
+    return tuple(found.values())
+
+
+def sharing_limits(
+    recordings: Sequence[Recording], robot: Robot, known: Iterable[TorqueEndNote] = ()
+) -> list[Recording]:
     """The runs, which know each other's limits: one that one run proves ends the torque of the
-    others, too, be it come to but once there. One arm's runs, with one sensor."""
-    own = [noisy_limits(run, robot) for run in recordings]
-    proven = {(one.joint, one.largest): one.level for each in own for one in each}
+    others, too, be it come to but once there. One arm's runs, with one sensor.
+
+    known: what earlier runs of that arm proved
+    """
+    ends = [*known, *torque_ends(recordings, robot)]
+    proven = {(one.joint - 1, one.largest): one.level for one in ends}
     out = []
-    for run, its in zip(recordings, own, strict=True):
+    for run in recordings:
+        its = noisy_limits(run, robot)
         others = {k: v for k, v in proven.items() if k not in {(n.joint, n.largest) for n in its}}
         more = tuple(_at_known(run, others)) if _KEPT in vars(run) else ()  # else: too long
         if more:

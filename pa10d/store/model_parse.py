@@ -21,7 +21,7 @@ from pa10d.effects.smooth_map import SmoothMap
 from pa10d.effects.variables import at_joint
 from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model import Term, TorqueModel, label
-from pa10d.model.notes import FeasibleNote
+from pa10d.model.notes import FeasibleNote, TorqueEndNote
 from pa10d.store.model_info import ModelInfo
 from pa10d.store.model_schema import MOST, WIDEST, EffectEntry, ModelFile
 
@@ -74,6 +74,7 @@ class _Parser:
         entry, fit = self._entry, self._entry.fit
         passed = fit.torque_filter
         self._feasible(entry.notes.feasible)
+        self._torque_ends(entry.notes.torque_ends)
         robot = self._robot()
         base = self._base()
         terms = tuple(self._term(k, e) for k, e in enumerate(entry.effects))
@@ -221,6 +222,14 @@ class _Parser:
         for key in ("rms", "rotors"):
             self._numbers((*where, key), dict(enumerate(getattr(found, key))))
         self._numbers((*where, "coefficients"), found.coefficients)
+
+    def _torque_ends(self, found: tuple[TorqueEndNote, ...]) -> None:
+        """What judging a run takes of the notes."""
+        for k, end in enumerate(found):
+            where = ("notes", "torque_ends", k)
+            if not 1 <= end.joint <= self._n:
+                self._fail((*where, "joint"), end.joint, f"a joint from 1 to {self._n}")
+            self._numbers(where, {"level": end.level})
 
     def _numbers(self, where: tuple[int | str, ...], found: Mapping[Any, float]) -> None:
         for key, value in found.items():

@@ -9,13 +9,19 @@ import pytest
 from two_links import COULOMB, CUTOFF, motion, recordings, robot, textbook
 
 from pa10d.checks import check_recording
+from pa10d.compare.comparison import compare
 from pa10d.diagnose.procedure import diagnose
 from pa10d.judgement import judge
 from pa10d.measurement.clipped import clipped
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.spans import spans
 from pa10d.regression.equation import prepare
-from pa10d.regression.noisy_limits import noisy_limits, sharing_limits, with_limits
+from pa10d.regression.noisy_limits import (
+    noisy_limits,
+    sharing_limits,
+    torque_ends,
+    with_limits,
+)
 
 TOP = 22.0  # N·m of joint 1, of which the motion asks 29 to 40
 NOISE = 0.05 * np.sqrt(CUTOFF / 100.0)  # N·m RMS within the band
@@ -129,8 +135,8 @@ def test_what_is_merely_flat_is_no_limit(seed):
         assert not noisy_limits(run, robot())
 
 
-def test_a_limit_that_one_run_proves_ends_the_others_too():
-    """Come to but once in a run, its torque had made "a contact" and "friction of a place"."""
+def proof_and_once():
+    """A run that proves a limit of joint 1, one that comes to it but once, and where."""
     exact = recordings(1, noise=0.0)
     proof, whole = noisily_cut(recordings(noise=0.0)["fit_a"], 0.05, 1), exact["valid_b"]
     ((first, end),) = spans(whole.tau[:, 0] > TOP)
@@ -139,6 +145,12 @@ def test_a_limit_that_one_run_proves_ends_the_others_too():
         Recording("once", whole.t[near] - whole.t[near][0], whole.q[near], whole.tau[near]), 0.05, 1
     )
     once.tau[:, 0] = np.maximum(once.tau[:, 0], 5.0 - TOP)  # nor is its other end come to
+    return proof, once, whole.tau[near, 0] > TOP
+
+
+def test_a_limit_that_one_run_proves_ends_the_others_too():
+    """Come to but once in a run, its torque had made "a contact" and "friction of a place"."""
+    proof, once, there = proof_and_once()
     other = recordings(4)["fit_b"]
     assert not noisy_limits(once, robot())
     _, sharing, unlike = sharing_limits([proof, once, other], robot())
@@ -146,4 +158,24 @@ def test_a_limit_that_one_run_proves_ends_the_others_too():
     assert not noisy_limits(once, robot()), "what is asked of it by itself is as before"
     (found,) = noisy_limits(sharing, robot())
     assert (found.joint, found.largest) == (0, True)
-    assert found.at[whole.tau[near, 0] > TOP].mean() > 0.97
+    assert found.at[there].mean() > 0.97
+
+
+def test_a_model_knows_the_limits_that_its_runs_proved(model):
+    """A later run alone was judged by another figure than beside them."""
+    proof, once, _ = proof_and_once()
+    knows = replace(model, notes=replace(model.notes, torque_ends=torque_ends([proof], robot())))
+    beside, by_itself, unknown = (
+        compare(made, runs).runs[-1].scores.rms
+        for made, runs in ((model, [proof, once]), (knows, [once]), (model, [once]))
+    )
+    assert by_itself == pytest.approx(beside, rel=1e-9)
+    assert unknown[0] > 1.5 * by_itself[0]
+
+
+@pytest.mark.long
+def test_an_identified_model_knows_them_too():
+    proof, once, _ = proof_and_once()
+    ends = textbook({"fit_a": proof, "fit_b": once}).notes.torque_ends
+    assert {(one.joint, one.largest) for one in ends} == {(1, True), (1, False)}
+    assert [abs(one.level) for one in ends] == pytest.approx([TOP, TOP], abs=0.1)

@@ -9,6 +9,7 @@ import numpy as np
 from pa10d.dynamics import base_parameters, robot_from_urdf
 from pa10d.effects import Context, all_effects
 from pa10d.model import ModelNotes, Term, TorqueModel
+from pa10d.model.notes import TorqueEndNote
 
 LINK = """<link name="l{k}"><inertial><origin xyz="0.02 0.03 0.2"/><mass value="{m}"/>
 <inertia ixx="0.2" ixy="0.01" ixz="0" iyy="0.25" iyz="0.02" izz="0.1"/></inertial></link>"""
@@ -65,7 +66,9 @@ def textbook(name: str = "m0", robot=ROBOT, **more) -> TorqueModel:
         runs=("train a", "train b"),
         held_out={"valid": rng.uniform(0.1, 1, robot.n)},
         notes=ModelNotes(
-            noise_floor=tuple(rng.uniform(0.1, 1, robot.n).tolist()), warnings=("one", "two")
+            noise_floor=tuple(rng.uniform(0.1, 1, robot.n).tolist()),
+            warnings=("one", "two"),
+            torque_ends=(TorqueEndNote(robot.n, -1.5, largest=False),),
         ),
         **more,
     )

@@ -310,6 +310,19 @@ def test_an_absurd_parameter_of_a_controller_is_one_line(store, number):
         _with_notes(store, feasible).load("m0")
 
 
+@pytest.mark.parametrize(
+    ("end", "wrong"),
+    [
+        ("joint: 9, level: 1.0", "joint: 9: expected a joint from 1 to 4"),
+        ("joint: 0, level: 1.0", "joint: 0"),
+        ("joint: 1, level: .nan", "level: nan"),
+    ],
+)
+def test_an_end_of_no_joint_s_torque_is_one_line(store, end, wrong):
+    with pytest.raises(UserError, match=r"yaml:\d+: notes\.torque_ends\.1\." + wrong):
+        _with_notes(store, f"  torque_ends: [{{{end}, largest: true}}]\n").load("m0")
+
+
 def test_shapes_well_beyond_what_a_search_looks_at_come_back(store):
     """Another release's bounds were others, and an arm may be of another size."""
     for kind in all_effects().values():
