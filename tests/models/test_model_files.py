@@ -313,9 +313,9 @@ def test_an_absurd_parameter_of_a_controller_is_one_line(store, number):
 @pytest.mark.parametrize(
     ("end", "wrong"),
     [
-        ("joint: 9, level: 1.0", "joint: 9: expected a joint from 1 to 4"),
-        ("joint: 0, level: 1.0", "joint: 0"),
-        ("joint: 1, level: .nan", "level: nan"),
+        ("joint: 9, level: 1.0", "joint: found 9, expected a joint from 1 to 4"),
+        ("joint: 0, level: 1.0", "joint: found 0"),
+        ("joint: 1, level: .nan", "level: found nan"),
     ],
 )
 def test_an_end_of_no_joint_s_torque_is_one_line(store, end, wrong):
