@@ -71,17 +71,32 @@ def diagnosis_page(
 
 def _glance(found: Diagnosis) -> Section:
     ratio = found.left.ratio
-    places = len(found.unexplained)
     cards = [
         ("effects found", str(len(found.findings)),
          listed([finding_words(f, found.frozen) for f in found.findings]) or "none is significant"),
-        ("left unexplained", f"{places} joint{'' if places == 1 else 's'}" if places else "nothing",
-         "is no noise" if places else "significant"),
+        ("left unexplained", *_left(found)),
         ("joints near the noise", *near_noise(ratio, MATERIAL_REST, ", after all that was found")),
     ]  # fmt: skip
     warnings = [("Note:", warning) for warning in found.warnings]
     blocks: list[Block] = [Verdict(headline(found), found.verdict), Cards(cards)]
     return Section("Verdict", [*blocks, Lines(warnings)] if warnings else blocks)
+
+
+def _left(found: Diagnosis) -> tuple[str, str]:
+    """On how many joints more than noise is left, and what is known of it."""
+    predicted = {one.joint for one in found.unexplained}
+    places = predicted | {one.joint for one in found.remaining if one.material}
+    if places:
+        how = "motion predicts it" if predicted else "motion does not predict it"
+        if predicted and len(places) > len(predicted):
+            how = f"motion predicts it on {len(predicted)}"
+        return (
+            f"{len(places)} joint{'' if len(places) == 1 else 's'}",
+            f"above the noise floor; {how}",
+        )
+    if all(one.material is None for one in found.remaining):
+        return "–", "noise not known"
+    return "nothing", "above the noise floor"
 
 
 OR_MORE = f" or more than {USUAL:g} times what the joint kept on the model's own runs"

@@ -28,7 +28,7 @@ from pa10d.identify.procedure import identify
 from pa10d.model import ModelNotes
 from pa10d.model.notes import CutoffNote
 from pa10d.profile import load_profile
-from pa10d.report.blocks import Numbers, Section, Text
+from pa10d.report.blocks import Cards, Numbers, Section, Text
 from pa10d.report.diagnosis_page import diagnosis_page, diagnosis_sections
 from pa10d.report.finding_section import Asked
 from pa10d.report.sheet import Sheet, diagnosis_sheet, without_commands
@@ -98,6 +98,25 @@ def test_blocks_of_one_run_are_judged_on_the_held_out_ones(stribeck):
     np.testing.assert_allclose(seen.rms(0), alone.versions[0].held_out["held out"], rtol=1e-6)
     counted = np.mean([run.counts.mean() for run in seen.seen[0]])
     assert counted < 0.5, "the other blocks were fitted"
+
+
+def test_what_is_above_the_noise_is_not_called_nothing(stribeck):
+    """6 times its noise, which motion does not predict, stood there as "nothing"."""
+    found, seen, _ = stribeck
+    found = replace(found, unexplained=())
+
+    def said(**first):
+        lines = [replace(line, material=False) for line in found.remaining]
+        lines[0] = replace(lines[0], **first)
+        glance = diagnosis_sections(replace(found, remaining=tuple(lines)), seen, ASKED).verdict
+        (cards,) = (block for block in glance.blocks if isinstance(block, Cards))
+        return next(card[1:] for card in cards.items if card[0] == "left unexplained")
+
+    assert said(material=False) == ("nothing", "above the noise floor")
+    assert said(material=True) == (
+        "1 joint",
+        "above the noise floor; motion does not predict it",
+    )
 
 
 def test_nothing_is_loaded_from_elsewhere(stribeck):
