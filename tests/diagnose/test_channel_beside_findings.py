@@ -12,6 +12,7 @@ from two_links import NAMES, recordings, robot
 
 from pa10d.diagnose.evidence import stated as errors
 from pa10d.diagnose.evidence.stated import stated
+from pa10d.diagnose.regression.behind import perhaps_smoothed
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.channel import behind_channel, tuned
@@ -100,3 +101,27 @@ def test_what_is_known_of_the_channel_is_in_the_errors_beside_it(monkeypatch):
         with_it.shape_errors[i]["v0"] / without.shape_errors[i]["v0"] for i in with_it.shape_errors
     ]
     assert max(sharp) > 1.1
+
+
+def off_by(joints: tuple[int, ...]) -> np.ndarray:
+    """Of each coefficient, beside those behind the true channel, in stated standard errors."""
+    state = taken_for_late(joints)
+    true = state.behind(TorqueFilter("first order", LATE))
+    errors_of = np.sqrt(np.diag(stated(state, range(len(state.terms))).covariance))
+    return np.abs(state.fit.beta - true.fit.beta) / errors_of
+
+
+def test_a_low_pass_that_may_hide_behind_a_delay_is_in_the_errors(monkeypatch):
+    """Torque that is late may be smoothed, whether or not the data can prove it."""
+    assert max(off_by((0, 1))) < 2.0
+    none = {j: basis[:, :0] for j, basis in taken_for_late((0, 1)).fit.basis.items()}
+    monkeypatch.setattr(errors, "perhaps_smoothed", lambda _: none)
+    assert max(off_by((0, 1))) > 3.0
+
+
+def test_what_is_not_late_is_not_smoothed():
+    made, late = made_and_identified()
+    runs = [made[name] for name in NAMES]
+    train, held, _ = two_sides(replace(late, shift=0.0, channel=None), runs[:2], runs[2:])
+    columns = perhaps_smoothed(SearchState.start(late, train, held))
+    assert {c.shape[1] for c in columns.values()} == {0}

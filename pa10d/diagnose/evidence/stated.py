@@ -2,8 +2,8 @@
 
 Shapes were fitted like coefficients, and make these and all others less certain; what reversals do
 to an effect's estimates (0070, rule 23), what a curve over an angle leaves open, and how late and
-how smooth the torque's channel makes it, are in it, too. So a parameter has one error, whoever
-tells of it.
+how smooth the torque's channel makes it, or may make it, are in it, too. So a parameter has one
+error, whoever tells of it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pa10d.diagnose.evidence.curves import open_to_curves
 from pa10d.diagnose.evidence.errors_of import covariance_under, shape_errors_of
 from pa10d.diagnose.evidence.reversals import moved_by_reversals
-from pa10d.diagnose.regression.behind import channel_slopes
+from pa10d.diagnose.regression.behind import channel_slopes, perhaps_smoothed
 from pa10d.diagnose.regression.shapes import free_shapes
 from pa10d.diagnose.regression.slopes import with_slopes
 from pa10d.diagnose.regression.state import SearchState
@@ -44,9 +44,10 @@ def stated(state: SearchState, fresh: Collection[int]) -> Stated:
         count = next(iter(of_term.values())).shape[1]
         places[i] = slice(total, total + count)
         total += count
-    channel = channel_slopes(state)
-    of_shapes = total
+    of_shapes, perhaps = total, perhaps_smoothed(state)
+    channel = {j: np.column_stack([c, perhaps[j]]) for j, c in channel_slopes(state).items()}
     total += next(iter(channel.values())).shape[1]
+    unknown = total - next(iter(perhaps.values())).shape[1]  # from here on: there, or not
     columns: PerJoint = {}
     weighted = {j: np.column_stack([np.zeros((len(c), of_shapes)), c]) for j, c in channel.items()}
     for i, of_term in slopes.items():
@@ -63,12 +64,19 @@ def stated(state: SearchState, fresh: Collection[int]) -> Stated:
     gram = np.sum([c[:, width:].T @ c[:, width:] for c in columns.values()], axis=0)
     if state.problem.known is not None:
         gram = gram + prior[width:, width:]
+    else:
+        prior = np.zeros_like(prior)
+    doubtful = np.arange(unknown, total)
+    gram[doubtful, doubtful] += 1.0 / size[unknown:] ** 2
+    prior[width + doubtful, width + doubtful] += 1.0 / size[unknown:] ** 2
     inverse = np.linalg.pinv(gram, rcond=1e-12, hermitian=True)
     turn = np.block(
         [[fit.to_beta, -fit.to_beta @ seen @ inverse], [np.zeros((total, width)), inverse]]
     )
-    known = None if state.problem.known is None else turn @ prior @ turn.T
-    whole = covariance_under(state, columns, turn, known)
+    whole = covariance_under(state, columns, turn, turn @ prior @ turn.T)
+    for index in width + doubtful:  # what it seems to be, of which the estimates know nothing
+        moved = turn[:, index] * sum(c[:, index] @ fit.residual[j] for j, c in columns.items())
+        whole += np.outer(moved, moved)
     count = len(fit.to_beta)
     shapes = slice(count, None)
     whole[shapes] /= size[:, None]

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import SLOPE_STEP
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.identify.channel import LEAST_DELAY
 from pa10d.measurement.signals import through_channel
-from pa10d.measurement.torque_filter import TorqueFilter
+from pa10d.measurement.torque_filter import DELAYS, FIRST_ORDER, TorqueFilter
 from pa10d.regression.per_joint import PerJoint
 from pa10d.regression.winding import seen_by
 
@@ -47,19 +48,40 @@ def _recorded(state: SearchState, torque: list[Array]) -> PerJoint:
 
 
 def channel_slopes(state: SearchState) -> PerJoint:
-    """joint -> (m_j, 2) weighted: how the model's torque moves with the channel's own time and with
-    what else it is late by, per second; (m_j, 0) where no channel is known, and of a model that
-    stays as it was, which knows its own."""
+    """joint -> (m_j, s) weighted: how the model's torque moves with what it is late by, per second,
+    and with the channel's own time, where that is known; (m_j, 0) where the torque is not late, and
+    of a model that stays as it was, which knows its own."""
     channel = state.train.runs[0].lowpass.channel
-    if channel is None or state.frozen:
-        return {j: basis[:, :0] for j, basis in state.fit.basis.items()}
+    if state.frozen or not (channel or _smoothed_perhaps(state)):
+        return _none(state)
     torque = torque_of(state)
-    step = SLOPE_STEP * channel.seconds
-    ends = [replace(channel, seconds=channel.seconds + way * step) for way in (1.0, -1.0)]
-    own = moved_by(state, torque, *ends)
     rates = [
         -np.gradient(through_channel(one, channel, run.lowpass.rate), axis=0) * run.lowpass.rate
         for run, one in zip(state.train.runs, torque, strict=True)
     ]
     late = _recorded(state, rates)
+    if channel is None:
+        return late
+    step = SLOPE_STEP * channel.seconds
+    ends = [replace(channel, seconds=channel.seconds + way * step) for way in (1.0, -1.0)]
+    own = moved_by(state, torque, *ends)
     return {j: np.column_stack([own[j] / (2.0 * step), late[j]]) for j in own}
+
+
+def perhaps_smoothed(state: SearchState) -> PerJoint:
+    """joint -> (m_j, 1) weighted: what the model's torque moves by if what makes the channel late
+    is a low-pass after all; (m_j, 0) where it is not late, or its low-pass is known."""
+    if not _smoothed_perhaps(state):
+        return _none(state)
+    to = TorqueFilter(FIRST_ORDER, state.train.runs[0].shift / DELAYS[FIRST_ORDER])
+    return moved_by(state, torque_of(state), to, None)
+
+
+def _smoothed_perhaps(state: SearchState) -> bool:
+    first = state.train.runs[0]
+    late = first.shift * first.lowpass.cutoff
+    return not state.frozen and first.lowpass.channel is None and late >= LEAST_DELAY
+
+
+def _none(state: SearchState) -> PerJoint:
+    return {j: basis[:, :0] for j, basis in state.fit.basis.items()}
