@@ -45,7 +45,7 @@ Shape = Mapping[str, float]
 class Coefficient:
     """A linear parameter with its physical bounds; a nuisance is fitted but not reported. Of one
     that is whole at 1 (a share of what the shape alone says), what it is off by puts the shape
-    in doubt, by as much of its value."""
+    in doubt, by as much of its value, and itself."""
 
     name: str
     unit: str
@@ -114,7 +114,8 @@ class Value:
     """An estimate with its standard error, in the named unit.
 
     std_error: all that is known of its doubt: scatter between stretches of the data, what the model
-    lacks, and (random: without it) what the torque constants may be off by
+    lacks, and (random: without it) what the torque constants may be off by, and by how much it is
+    not what its law says
     determined: False where the data leave it open, and of what is beyond
     beyond: at or beyond the end of what it may be, and so no estimate of it
     by_gain: how far a torque constant that is off by all of its value moves it, where its unit does
@@ -131,7 +132,7 @@ class Value:
 
     @property
     def std_error_random(self) -> float:
-        """Without what the torque constants add."""
+        """Without what the torque constants add, or that it is not what its law says."""
         return self.std_error if self.random is None else self.random
 
     def with_gain_error(self, share: float) -> Value:
@@ -141,6 +142,11 @@ class Value:
         if share * by_gain == 0.0:
             return self
         whole = float(np.hypot(self.std_error, share * by_gain))
+        return replace(self, std_error=whole, random=self.std_error)
+
+    def whole_at(self, known: float) -> Value:
+        """Of what a law says beforehand: by what it is off, something else than noise moved it."""
+        whole = float(np.hypot(self.std_error, self.value - known))
         return replace(self, std_error=whole, random=self.std_error)
 
     def document(self) -> dict[str, object]:
@@ -379,6 +385,9 @@ class Effect(ABC):
             for c, v, s in zip(self.coefficients, coefficients, np.diag(covariance), strict=True)
             if not c.nuisance
         }
+        for c in self.coefficients:
+            if c.whole_at_one:
+                out[c.name] = out[c.name].whole_at(1.0)
         for s in self.shapes_in(shape):
             value, error = float(shape[s.name]), float(shape_errors.get(s.name, 0.0))
             out[s.name] = Value(value, error, s.unit, determined=s.determined(value, error))

@@ -68,7 +68,7 @@ def no_estimates(term: Term, found: Mapping[str, Value]) -> str:
 def may_be_nothing(term: Term, found: Mapping[str, Value]) -> bool:
     """Of an effect that its shape describes whole: may its share as well be zero?"""
     shares = [found[c.name] for c in term.effect.coefficients if c.whole_at_one and c.name in found]
-    return bool(shares) and all(SURELY * v.std_error > abs(v.value) for v in shares)
+    return bool(shares) and all(SURELY * v.std_error_random > abs(v.value) for v in shares)
 
 
 def not_one(term: Term, found: Mapping[str, Value]) -> bool:

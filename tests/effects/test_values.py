@@ -116,3 +116,12 @@ def test_nothing_found_is_no_division_by_zero(name):
     slightly_negative = -1e-18 * np.eye(k)  # what rounding makes of a covariance of zero
     for value in kind.values(np.zeros(k), slightly_negative, shape, {}).values():
         assert np.isfinite(value.std_error)
+
+
+def test_a_share_that_its_law_settles_is_as_unsure_as_it_is_off():
+    """All of the torque passes a gap: 0.896 ± 0.005 of it was told, where teeth were firmer than
+    is taken for granted."""
+    gap = effect("backlash")
+    found = gap.values(np.array([0.896]), np.diag([0.005**2]), {"b": 0.007}, {"b": 0.0008})
+    assert found["share"].std_error == pytest.approx(np.hypot(0.005, 0.104))
+    assert found["share"].std_error_random == pytest.approx(0.005)

@@ -145,7 +145,7 @@ def _of_its_share(finding: Finding) -> str:
         least, most = max(kind.lower, 1.0 - SHARE_FAR), min(kind.upper, 1.0 + SHARE_FAR)
         if not least <= told.value <= most:
             text = OTHER_SPRING if finding.term.effect.series_spring else NOT_WHOLE
-            return text.format(share=f"{told.value:.2g} ± {told.std_error:.1g}")
+            return text.format(share=f"{told.value:.2g} ± {told.std_error_random:.1g}")
     return ""
 
 
