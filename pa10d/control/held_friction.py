@@ -6,7 +6,8 @@ way, it would be short of all that it held. So that is let go as its motion begi
 tells the share, by the stop model: between -1 and 1 times friction, full after ``CREPT``. While it
 stands, friction balances the torque: what the torque changes by, the share does, too. Where a joint
 has not crept, or slipped, nobody knows, and nothing is let go, unless it is known what the arm
-weighs: what its torque is less that is friction.
+weighs: what its torque is less that is friction. Where a motion waits on its way its own torque
+bears what the weight changed by, as well as that is known: friction is no more than the rest.
 """
 
 from __future__ import annotations
@@ -34,9 +35,12 @@ class HeldFriction:
         self._coulomb, self._share = coulomb, min(1.0, period / LET_GO)
         self._crept, self._last = np.zeros_like(coulomb), np.zeros_like(coulomb)
         self._sent = np.zeros_like(coulomb)
+        self._moved = np.zeros_like(coulomb, dtype=bool)  # its reference, in the cycle before
+        self._weight: tuple[Array, Array] | None = None  # N·m, where this motion began
 
     def start(self, q: Array, torque: Array) -> None:
         """Nothing is known yet; (n,) rad, N·m."""
+        self._weight = None
         self._crept, self._last, self._sent = np.zeros_like(q), q.copy(), torque.copy()
 
     def let_go(self, q: Array, dq: Array, moving: Array, torque: Array) -> Array:
@@ -45,6 +49,11 @@ class HeldFriction:
         q: (n,) rad; dq: (n,) rad/s; moving: (n,) whether the reference moves; torque: (n,) N·m
         that the servo gave last, without what a motion brings along: that is the load's.
         """
+        if self._weight is not None and (begins := moving & ~self._moved).any():
+            low, high = self._friction(torque, *self._weight)
+            no_more = np.clip(self._crept, np.minimum(low, 0.0), np.maximum(high, 0.0))
+            self._crept = np.where(begins, no_more, self._crept)
+        self._moved = moving.copy()
         gone = moving * self._share * self._crept
         stands = (np.abs(q - self._last) < STANDS * self._period) * (self._crept != 0.0)
         more = (torque - self._sent) / np.where(self._coulomb > 0.0, self._coulomb, np.inf)
@@ -57,9 +66,14 @@ class HeldFriction:
     def weighed(self, torque: Array, low: Array, high: Array) -> None:
         """A motion begins: each joint weighs ``low`` to ``high`` (n,) N·m here, ``torque`` (n,) N·m
         holds it. No more counts as friction than must be, no less than can be."""
-        share = np.where(self._coulomb > 0.0, self._coulomb, np.inf)
-        held = np.clip(self._crept, (torque - high) / share, (torque - low) / share)
+        self._weight = low, high
+        held = np.clip(self._crept, *self._friction(torque, low, high))
         self._crept = np.clip(held, -1.0, 1.0)
+
+    def _friction(self, torque: Array, low: Array, high: Array) -> tuple[Array, Array]:
+        """Least and most share of it, (n,), that ``torque`` (n,) N·m holds beside such weights."""
+        whole = np.where(self._coulomb > 0.0, self._coulomb, np.inf)
+        return (torque - high) / whole, (torque - low) / whole
 
     def absorb(self, extra: Array) -> None:
         """N·m (n,) that the servo gives from now on, and a motion gave before."""

@@ -95,6 +95,23 @@ def test_by_its_weight_no_more_than_must_be_and_no_less_than_can(crept, low, wid
     assert gone == pytest.approx(wanted, abs=1e-6)
 
 
+@pytest.mark.parametrize("share", [0.1, -0.4, 1.0])
+def test_where_a_motion_waits_no_more_goes_than_its_torque_can_hold(share):
+    """A gear creeps under next to nothing: it told all of its friction, pause after pause, and the
+    joint was thrown by it. More than crept is none, either: weights are known where it began."""
+    held, weighs = HeldFriction(COULOMB, PERIOD), np.array([3.0, -1.0])
+    held.start(np.zeros(2), weighs)
+    held.weighed(weighs, weighs, weighs)
+    held.let_go(np.zeros(2), SLOW, MOVES, weighs)
+    torque = weighs + share * COULOMB
+    for q in np.linspace(0.0, 3.0 * CREPT, 50):
+        held.let_go(np.array([q, 0.1 * q]), SLOW, WAITS, torque)
+    cycles = range(round(20 * LET_GO / PERIOD))
+    gone = sum(held.let_go(np.array([1.0, 0.1]) * 3.0 * CREPT, SLOW, MOVES, torque) for _ in cycles)
+    most = max(share, 0.0)
+    assert gone == pytest.approx(COULOMB * [most, min(most, 0.3)], abs=1e-6)
+
+
 def test_a_joint_that_waits_while_others_move_holds_what_it_held():
     """A motion brings along what its weight changes by: that is no friction."""
     gains = PidGains(40.0 * np.ones(1), np.zeros(1), np.ones(1), friction=np.array([2.0]))
