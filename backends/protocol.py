@@ -14,6 +14,7 @@ still answer, so that the arm can be stopped in order; ``reset`` makes a clean s
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -126,6 +127,16 @@ class OpensOneByOne(Protocol):
 
     def try_again(self) -> None:
         """The joint that is tried falls: its brake closes at once, and opens alone once more."""
+
+
+@runtime_checkable
+class CoastsUntilTrusted(Protocol):
+    """A backend whose axes, at a fault that their drives find by themselves, have no power at once
+    until the sign of their torque is known: a ramp would drive a joint of the wrong one on."""
+
+    def trust(self, axes: Collection[int]) -> None:
+        """Those whose torque was seen to act the right way round, no others: their drives brake
+        along their ramps. At any time, also before ``open``."""
 
 
 @runtime_checkable

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 import numpy as np
 
@@ -19,12 +19,14 @@ from backends.canopen_cia402.configure import DriveReport, Wish
 from backends.canopen_cia402.exchange import Counters, Exchange
 from backends.canopen_cia402.lifeline import not_accepted
 from backends.canopen_cia402.network import PortNetwork
+from backends.canopen_cia402.objects import declared
 from backends.canopen_cia402.other_masters import NMT
 from backends.canopen_cia402.poll import Poll, every
+from backends.canopen_cia402.reaction import REACTION, Reactions
 from backends.canopen_cia402.scales import Scales
 from backends.canopen_cia402.watch import NEVER_FOLLOWED, SILENCE, Watch
 from backends.canopen_cia402.who_answers import NEAR, require_own
-from backends.cia402 import Control
+from backends.cia402 import Control, FaultReaction
 from backends.eds import eds_path, load_eds
 from backends.error_history import DriveErrors
 from backends.faults import fault, refusal
@@ -36,6 +38,10 @@ from pa10d.profile import Profile
 
 STOP_NODE = 2  # NMT
 TRIAL_CYCLES = 3  # at the end of open
+KEEPS_REACTION = (
+    f"Fault reaction option code (0x{REACTION:04X}) was not taken beside the cycle: its drive "
+    "reacts to a fault as before"
+)
 LISTEN, LISTEN_TO_SIMULATION = 0.25, 0.05  # s, before the first frame of our own
 
 
@@ -61,6 +67,8 @@ class CanopenBackend:
         self._lock = BusLock(profile.can)
         self._cycle: BusCycle | None = None
         self._heartbeat = min(drive.heartbeat_ms for drive in self.drives) / 1000.0
+        self._keeps: set[int] = set()  # axes whose drives take no other reaction to a fault
+        self._reactions = Reactions(self._set_reaction, self._keeps.add)
         n = self.n
         self._feedback = Feedback(
             0.0, np.zeros(n), np.zeros(n), np.zeros(n, np.int64), np.zeros(n, np.int64)
@@ -71,6 +79,7 @@ class CanopenBackend:
     def warnings(self) -> list[str]:
         """What each drive lacks, known after ``open``."""
         lacks = [f"joint {k + 1}: {lack}" for k, r in enumerate(self.reports) for lack in r.lacks]
+        lacks += [f"joint {k + 1}: {KEEPS_REACTION}" for k in sorted(self._keeps)]
         return lacks + [f"joint {k + 1}: {NEVER_FOLLOWED}" for k in self._watch.never_followed]
 
     @property
@@ -94,6 +103,9 @@ class CanopenBackend:
     @property
     def switching(self) -> bool:
         return self._sequence is not None
+
+    def trust(self, axes: Collection[int]) -> None:
+        self._reactions.trust(axes)
 
     def begin_enable(self) -> None:
         self._begin_enabling(sequence.Enable(self))
@@ -188,6 +200,7 @@ class CanopenBackend:
         cycle, feedback = self._connected(), self._feedback
         cycle.run()
         feedback.time = cycle.sent_at
+        self._reactions.insist(cycle.sent_at)
         self.scales.fill(self._exchange, feedback)
         return feedback
 
@@ -315,6 +328,9 @@ class CanopenBackend:
         wishes = {axis: self._wish(axis) for axis in axes}
         alive = self._cycle.keep_alive if self._cycle else lambda: None
         try:
+            for axis in axes:
+                self._reactions.set_up(axis)
+                self._keeps.discard(axis)
             drain(self._port)
             with self._network.listening(also=boot.frame, idle=alive):
                 reports = bring_up(self._network, chosen, wishes, boot)
@@ -337,6 +353,7 @@ class CanopenBackend:
             bitrate=self.profile.can.bitrate,
             master=MASTER,
             silence_ms=round(1000 * SILENCE * self._heartbeat),
+            trusted=axis in self._reactions.trusted,
         )
 
     def _start_cycling(self) -> None:
@@ -349,9 +366,9 @@ class CanopenBackend:
             known,
             shown,
             self._watch.mode,
-            self._watch.refused,
+            self._refused,
             self._watch.altered,
-            self._output_taken,
+            self._taken,
             every(self.profile.can.sdo_reserve, self.profile.can.bitrate),
         )
         self._brakes = Brakes(
@@ -397,9 +414,24 @@ class CanopenBackend:
     def _set_output(self, axis: int, value: int) -> None:
         self._poll.set(axis, OUTPUTS, PHYSICAL, value)
 
-    def _output_taken(self, axis: int, index: int) -> None:
+    def _set_reaction(self, axis: int, reaction: FaultReaction) -> None:
+        if declared(self._nodes[axis], REACTION):
+            self._poll.set(axis, REACTION, 0, reaction, size=2)
+        else:
+            self._reactions.refused(axis)
+
+    def _taken(self, axis: int, index: int) -> None:
         if index == OUTPUTS:
             self._brakes.taken(axis)
+        elif index == REACTION:
+            self._reactions.taken(axis)
+
+    def _refused(self, axis: int, index: int, code: int) -> None:
+        if index != REACTION:
+            self._watch.refused(axis, index, code)
+            return
+        self._reactions.refused(axis)
+        self._keeps.add(axis)
 
     def _send_words(self) -> None:
         """Controlwords and torques, as far as the brakes let them pass."""

@@ -14,6 +14,7 @@ from backends.canopen_cia402.layout import Layout
 from backends.canopen_cia402.lifeline import be_watched
 from backends.canopen_cia402.mapping import map_pdos
 from backends.canopen_cia402.objects import ESSENTIAL, WANTED, declared, lack
+from backends.canopen_cia402.reaction import REACTION, reaction
 from backends.canopen_cia402.remote import Remote, SetupError
 from backends.canopen_cia402.takeover import (
     clear_offsets,
@@ -46,6 +47,7 @@ class Wish:
     bitrate: int
     master: int  # our node id, which heartbeats come from
     silence_ms: int  # the drive stops after this long without one
+    trusted: bool = False  # its torque was seen to act the right way round
 
 
 @dataclass
@@ -215,7 +217,7 @@ def _settings(remote: Remote, wish: Wish) -> list[tuple[int, int, int]]:
         (0x1006, 0, round(wish.period * 1e6)),
         (0x1029, 1, 0),
         (0x605C, 0, 1),
-        (0x605E, 0, cia402.FaultReaction.QUICK_STOP),
+        (REACTION, 0, reaction(wish.trusted)),
     ]
     if (most := _most_torque(wish)) is not None:
         settings.append((0x6072, 0, most))

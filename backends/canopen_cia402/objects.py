@@ -33,7 +33,8 @@ WANTED = {
     ),
     0x605E: (
         "Fault reaction option code",
-        "the drive may coast on a fault instead of braking",
+        "how the drive comes to rest on a fault is fixed: it may coast instead of braking, or "
+        "brake along a ramp, which drives a joint on whose torque acts the wrong way round",
     ),
     0x603F: ("Error code", "a fault without EMCY cannot be named"),
     0x6061: (

@@ -63,7 +63,7 @@ class Poll:
         self._on_mode, self._on_refusal, self._on_change = on_mode, on_refusal, on_change
         self._on_taken = on_taken
         self._period = period
-        self._to_set: dict[int, bytes] = {}  # axis -> frame
+        self._to_set: list[dict[Entry, bytes]] = [{} for _ in nodes]  # frames, the last one first
         self._free = 0.0  # s, from when on another request may go out
         self._questions: list[Question] = [
             (k, known[0], 0) for k, known in enumerate(temperatures) if known
@@ -94,7 +94,7 @@ class Poll:
         """The frames to send at ``now`` s, usually none."""
         if now < self._free:
             return b""
-        if self._to_set:
+        if any(self._to_set):
             self._free = now + ANSWERED
             return self.settings()
         asked = self._suspected.popleft() if self._suspected else self._regular(now)
@@ -116,16 +116,15 @@ class Poll:
         self._next_fixed = (self._next_fixed + 1) % len(fixed)
         return fixed[self._next_fixed]
 
-    def set(self, axis: int, index: int, sub: int, value: int) -> None:
-        """Write an object of four bytes, before any question; the latest value counts."""
-        data = DOWNLOAD.pack(FOUR_BYTES_DOWN, index, sub, value)
-        self._to_set[axis] = frame(0x600 + self._nodes[axis], data)
+    def set(self, axis: int, index: int, sub: int, value: int, size: int = 4) -> None:
+        """Write an object of so many bytes, before any question; the latest value counts."""
+        data = DOWNLOAD.pack(FOUR_BYTES_DOWN | (4 - size) << 2, index, sub, value)
+        self._to_set[axis].pop((index, sub), None)
+        self._to_set[axis][index, sub] = frame(0x600 + self._nodes[axis], data)
 
     def settings(self) -> bytes:
-        """What waits to be set, to be sent now."""
-        packet = b"".join(self._to_set.values())
-        self._to_set.clear()
-        return packet
+        """What is to be sent now of what waits to be set: each drive serves one request a time."""
+        return b"".join(waiting.popitem()[1] for waiting in self._to_set if waiting)
 
     def frame(self, can_id: int, data: bytes) -> None:
         """Take an answer, if this is one."""

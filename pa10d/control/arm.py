@@ -17,11 +17,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.error_history import DriveErrors, KeepsErrors
-from backends.protocol import Backend, CutsPower, OpensOneByOne
+from backends.protocol import Backend, CoastsUntilTrusted, CutsPower, OpensOneByOne
 from pa10d.common.errors import UserError
 from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
 from pa10d.control.carried import carried, share_of
-from pa10d.control.faults import RAN_ON, WAY_ROUND, Fault, LoopFault, blamed_on_time, fault_from
+from pa10d.control.faults import (
+    RAN_ON,
+    RAN_ON_RIGHTLY,
+    UNSEEN,
+    WAY_ROUND,
+    Fault,
+    LoopFault,
+    blamed_on_time,
+    fault_from,
+)
 from pa10d.control.guard import BackendBroke, asked, read
 from pa10d.control.joint_figures import ROUGH
 from pa10d.control.journal import Journal
@@ -31,6 +40,7 @@ from pa10d.control.outside import outside, why_not_powered
 from pa10d.control.pid import Controller, Pid
 from pa10d.control.punctuality import Starved
 from pa10d.control.reference import MotionUnderWay
+from pa10d.control.right_way import RightWay
 from pa10d.control.states import EACH, POWERED, REMEDIES, SWITCHING, ArmState, Refused, require
 from pa10d.control.stop import DrivesStop, Stop, StopProgress
 from pa10d.control.torque_path import TorquePath
@@ -75,6 +85,7 @@ class Arm:
         compile_motion_check(limits)
         self.path = TorquePath(limits, backend.period, make_servo, heaviest, inertia, leans)
         self.whereabouts = Whereabouts(limits, backend.period)
+        self.right_way = RightWay(backend.n)
         self.state = ArmState.OFFLINE
         self.fault: Fault | None = None
         self.motion: MotionUnderWay | None = None
@@ -105,10 +116,13 @@ class Arm:
 
     # -- commands ---------------------------------------------------------------------------
 
-    def connect(self, stood: Array | None = None) -> None:
+    def connect(self, stood: Array | None = None, measured: bool = False) -> None:
         """offline → inactive, with a first look at where the arm stands. stood: (n,) where it
-        stood at rest, as somebody has kept it."""
+        stood at rest, as somebody has kept it; measured: so were its joints, which shows that
+        torque acts the right way round."""
         require("connect", self.state, ArmState.OFFLINE)
+        self.right_way.known[:] = measured
+        self._trust()
         self.whereabouts.lost()
         self.whereabouts.recall(stood)
         try:
@@ -300,6 +314,7 @@ class Arm:
         self._admit("run", path.controller)
         if motion.weight is not None and isinstance(path.controller, Pid):
             path.controller.weighed(*motion.weight)
+        self.right_way.begin(path.reference.q)
         self.journal.stopped("")  # what ended another motion has nothing to do with this one
         self.motion = motion
         self.state = ArmState.RUNNING
@@ -412,7 +427,15 @@ class Arm:
             self._falls = 0
             self._hold()
         else:
+            if self.right_way.see(self.path.reference.q, self.path.q):
+                self._trust()
             self.motion.advance(self.path.reference)
+
+    def _trust(self) -> None:
+        """Its drives brake the joints whose sign is known, at faults that they find."""
+        if isinstance(self.backend, CoastsUntilTrusted):
+            known = np.flatnonzero(self.right_way.known)
+            asked("trust", self.backend.trust, [int(axis) for axis in known])
 
     def _stop_further(self, stop: Stop) -> None:
         progress = stop.advance()
@@ -465,6 +488,8 @@ class Arm:
         if self.state == ArmState.RESETTING:
             self.fault = None  # what is there now counts, not what was to be acknowledged
         self._latch(fault, error)
+        if fault.kind == "wrong_sign" and fault.axis is not None:
+            self._doubt_sign(fault.axis)
         if fault.dead_axis is not None:
             self.path.live[fault.dead_axis] = False
         if fault.drive_goes_on:
@@ -479,9 +504,28 @@ class Arm:
         elif self.state == ArmState.ENABLING:
             self.path.stand(soft=fault.kind == "oscillation")
             self._power_off()
+            if fault.drive_goes_on and fault.axis is not None:
+                self._coast_unless_known(fault.axis)
         else:
             self.path.fall_back(soft=fault.kind == "oscillation")
             self._begin_stop(ArmState.FAULT)
+
+    def _coast_unless_known(self, axis: int) -> None:
+        """A drive whose encoder told nonsense, of a joint whose torque may act the wrong way round:
+        its ramp is worse than none, for as long as it takes to see that."""
+        if self.right_way.known[axis] or not isinstance(self.backend, CutsPower):
+            return
+        with contextlib.suppress(Exception):
+            asked("cut_power", self.backend.cut_power, axis)
+        self._asked_off = False  # the others are switched off from the next cycle on
+        if self.fault is not None and self.fault.axis == axis:
+            self.fault = replace(self.fault, cause=f"{self.fault.cause}; {UNSEEN}")
+            self.journal.fault(self.fault)
+
+    def _doubt_sign(self, axis: int) -> None:
+        self.right_way.doubt(axis)
+        with contextlib.suppress(Exception):
+            self._trust()
 
     def _leave_it_to_the_drives(self) -> None:
         """No torque of ours any more; their own quick stop brakes. Joints that stood until now are
@@ -508,17 +552,20 @@ class Arm:
 
     def _leave_to_its_brake(self, axis: int) -> None:
         """It gets faster along its drive's own ramp. Whatever else was told by how the arm moved,
-        this is no matter of weights."""
+        this is no matter of weights; nor of its sign, where that was seen to be right."""
         if not isinstance(self.backend, CutsPower):
             return
+        right = bool(self.right_way.known[axis])
+        self._doubt_sign(axis)
         with contextlib.suppress(Exception):
             asked("cut_power", self.backend.cut_power, axis)
-        log.warning("joint %d %s", axis + 1, RAN_ON)
+        ran_on = RAN_ON_RIGHTLY if right else RAN_ON
+        log.warning("joint %d %s", axis + 1, ran_on)
         if self.fault is not None:
             named = "" if axis == self.fault.axis else f"joint {axis + 1} "
-            cause = f"{self.fault.cause}; {named}{RAN_ON}"
-            told = replace(self.fault, cause=cause, remedy=WAY_ROUND)
-            self.fault = replace(told, weighed=0, alone_next=False)
+            cause = f"{self.fault.cause}; {named}{ran_on}"
+            told = replace(self.fault, cause=cause, weighed=0, alone_next=False)
+            self.fault = told if right else replace(told, remedy=WAY_ROUND)
             self.journal.fault(self.fault)
 
     def _brake_on(self, fault: Fault) -> None:

@@ -77,7 +77,7 @@ class Commands:
                 self._arm.enable(recover=command.recover)
             case Connect():
                 self._take_weights(command.bodies)
-                self._arm.connect(stood_at(command, self._arm.backend.n))
+                self._arm.connect(stood_at(command, self._arm.backend.n), command.measured)
             case Do():
                 said = getattr(self._arm, command.what)()
                 return {} if said is None else {"said": said}

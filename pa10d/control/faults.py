@@ -21,6 +21,14 @@ RAN_ON = (
     "got faster as its own drive stopped it, and was left to its brake: its torque acts the wrong "
     "way round, or its load is more than its motor holds"
 )
+RAN_ON_RIGHTLY = (
+    "got faster as its own drive stopped it, and was left to its brake: what others do to it, or "
+    "its load, is more than its motor holds"
+)
+UNSEEN = (
+    "its power was taken away at once, for nobody has seen yet that its torque acts the right way "
+    "round, and its drive's own ramp would drive it on"
+)
 REMEDIES = {
     "not_finite": "report it with the recorded run; look at gains and model first",
     "torque_state": "report it: torque was asked for in a state that allows none",

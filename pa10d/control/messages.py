@@ -65,10 +65,12 @@ class PowerUp:
 @dataclass(frozen=True)
 class Connect:
     """stood: where each joint stood at rest, as the daemon has kept it; bodies: (n, 10) standard
-    parameters as they were felt, which tell what the arm weighs; None: not known."""
+    parameters as they were felt, which tell what the arm weighs; None: not known; measured: its
+    joints were, by which it is known that their torque acts the right way round."""
 
     stood: tuple[float, ...] | None
     bodies: NDArray[np.float64] | None = None
+    measured: bool = False
 
 
 @dataclass(frozen=True)
@@ -100,7 +102,7 @@ def read_command(message: Mapping[str, Any]) -> Command:
         case "connect":
             stood = message.get("stood")
             kept = None if stood is None else tuple(map(float, stood))
-            return Connect(kept, _bodies(message))
+            return Connect(kept, _bodies(message), bool(message.get("measured")))
         case "enable":
             return PowerUp(bool(message.get("recover")))
         case what if what in SWITCHES:

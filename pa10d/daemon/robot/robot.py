@@ -453,8 +453,14 @@ class RobotProcess:
         try:
             if (why := self.no_arm()) is not None:
                 raise CommandRefused(no_virtual_arm("connect", self.state, why))
-            felt = _listed(None if self.joints is None else self.joints.known.felt)
-            await self.command("connect", timeout=60.0, stood=self.stood.known, bodies=felt)
+            known = None if self.joints is None else self.joints.known
+            await self.command(
+                "connect",
+                timeout=60.0,
+                stood=self.stood.known,
+                bodies=_listed(None if known is None else known.felt),
+                measured=known is not None,
+            )
         except CommandRefused as refusal:
             why = str(refusal).removeprefix("connect: ")
             if refusal.answer.get("state", "offline") != "offline":

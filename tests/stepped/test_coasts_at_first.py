@@ -1,0 +1,105 @@
+"""Until the sign of a joint is known its drive does not ramp it down at a fault of its own: no
+command would end that, and a ramp drives a joint of the wrong sign on."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from backends.cia402 import FaultReaction
+from pa10d.control.right_way import FAR, RightWay
+
+WRONG = 1  # 0-based
+COASTS, RAMPS = FaultReaction.DISABLE, FaultReaction.QUICK_STOP
+OVERCURRENT = 0x2310
+
+
+def reactions(world):
+    """0x605E of each drive, as it would react now."""
+    return [drive.machine.options.fault_reaction for drive in world.drives.drives]
+
+
+def held(world, **known):
+    world.say("connect", **known)
+    yield world.is_in("inactive")
+    world.say("enable")
+    yield world.is_in("holding")
+
+
+def test_a_joint_that_nobody_has_seen_move_is_left_to_its_brake(world):
+    """Its drive finds something as it moves for the first time. 15 rad/s along the ramp."""
+    begun, speeds = [], []
+
+    def story():
+        yield from world.moving()
+        assert not world.arm.right_way.known[WRONG], "it went one way only"
+        mechanics = world.drives.mechanics
+        mechanics.motors = np.where(np.arange(world.robot.n) == WRONG, -1.0, 1.0)
+        begun.append(abs(mechanics.velocity[WRONG]))
+        world.drives.drives[WRONG].fault(OVERCURRENT)
+
+        def ends():
+            speeds.append(float(np.abs(mechanics.velocity[WRONG])))
+            return world.state() == "fault"
+
+        yield ends
+        yield world.passes(0.5)
+
+    world.run(story())
+    assert begun[0] > 0.1, "it did not move: nothing was shown"
+    assert max(speeds) < begun[0] + 0.05
+    assert world.at_rest()
+
+
+def test_it_ramps_down_once_its_torque_has_shown_its_sign(world):
+    n, seen = world.robot.n, []
+
+    def story():
+        yield from held(world)
+        seen.append(reactions(world))
+        world.swing()
+        yield lambda: reactions(world) == n * [RAMPS]
+        seen.append(world.arm.right_way.known.all())
+        world.arm._doubt_sign(WRONG)
+        yield lambda: reactions(world)[WRONG] == COASTS
+        seen.append(reactions(world))
+
+    world.run(story())
+    assert seen[0] == n * [COASTS]
+    assert seen[1]
+    assert seen[2] == [COASTS if k == WRONG else RAMPS for k in range(n)]
+
+
+def test_an_arm_that_was_measured_ramps_down_from_the_beginning(world):
+    def story():
+        yield from held(world, measured=True)
+        assert reactions(world) == world.robot.n * [RAMPS]
+
+    world.run(story())
+
+
+@pytest.mark.parametrize(
+    ("wanted", "went", "known"),
+    [
+        ([1, -1], [1, -1], True),
+        ([1, -1], [0.7, -0.7], True),
+        ([1, 0, 1, 0], [1, 0, 1, 0], True),
+        ([1, 2, 3], [1, 2, 3], False),
+        ([1, -1], [1, 0], False),
+        ([1, -1], [0, 0], False),
+        ([1, -1], [-1, 1], False),
+        ([0.3, -0.3, 0.3], [0.3, -0.3, 0.3], False),
+    ],
+    ids=[
+        "there and back", "softly", "back to where it was", "one way, as if it fell",
+        "it did not come back", "friction holds it", "the other way", "hardly moved",
+    ],
+)  # fmt: skip
+def test_it_is_known_of_who_goes_there_and_back_as_it_is_led(wanted, went, known):
+    seen = RightWay(1)
+    ways = [
+        np.interp(np.arange(0, len(w), 0.01), range(len(w) + 1), [0, *w]) for w in (wanted, went)
+    ]
+    for led, is_at in np.transpose(ways) * 1.2 * FAR:
+        seen.see(np.array([led]), np.array([is_at]))
+    assert bool(seen.known[0]) is known
