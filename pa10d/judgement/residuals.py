@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.effects import Context
+from pa10d.judgement.bent_before import bent_before
 from pa10d.judgement.encoder import of_angles
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import through_channel
@@ -31,7 +32,8 @@ class RunResidual:
     measured, modelled  (M, n) N·m, both through the equation's low-pass, decimated
     raw_error  (N, n) N·m, unfiltered measured torque minus prediction
     counts     (M, n) True where joint i moves, reversals included (there friction models fail),
-               away from the run's ends: where an error is looked for
+               away from the run's ends, and not where bristles are bent as the run found them:
+               where an error is looked for
     judged     (M, n) the same clear of reversals: where its size is judged
     rested     joints (0-based) that hardly moved: judged over the whole run instead
     model      that sees it
@@ -101,6 +103,9 @@ def residual_of(model: TorqueModel, equation: RunEquation) -> RunResidual:
     seen = seen_by(model, equation)
     predicted, low = model.sensed(seen), equation.lowpass
     counts, clear, rested = _judged(equation)
+    unknown = bent_before(seen, equation.lowpass)
+    unknown &= (clear & ~unknown).sum(axis=0) >= FEWEST_MOVING
+    counts, clear = counts & ~unknown, clear & ~unknown
     return RunResidual(
         name=equation.name,
         equation=equation,
