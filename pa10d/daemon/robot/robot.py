@@ -8,6 +8,7 @@ import logging
 import os
 import time
 from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -155,8 +156,11 @@ class RobotProcess:
 
     @property
     def brief(self) -> JsonObject:
-        """State and fault for clients."""
+        """State and fault for clients: drives that answer no more because their arm is dead want
+        no cable looked at."""
         fault = self.fault
+        if fault is not None and fault.device and self.remark is not None:
+            fault = replace(fault, remedy=self.remark)
         return {"state": self.state, "fault": None if fault is None else fault.document()}
 
     @property
