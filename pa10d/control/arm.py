@@ -502,18 +502,20 @@ class Arm:
         elif again or fault.runs_away or fault.whole_bus or not self.path.live.any():
             self._leave_it_to_the_drives()
         elif self.state == ArmState.ENABLING:
+            ramped = {self.path.brakes.stopped, fault.axis if fault.drive_goes_on else None}
             self.path.stand(soft=fault.kind == "oscillation")
             self._power_off()
-            if fault.drive_goes_on and fault.axis is not None:
-                self._coast_unless_known(fault.axis)
+            for axis in ramped - {None}:
+                self._coast_unless_known(axis)
         else:
             self.path.fall_back(soft=fault.kind == "oscillation")
             self._begin_stop(ArmState.FAULT)
 
-    def _coast_unless_known(self, axis: int) -> None:
-        """A drive whose encoder told nonsense, of a joint whose torque may act the wrong way round:
-        its ramp is worse than none, for as long as it takes to see that."""
-        if self.right_way.known[axis] or not isinstance(self.backend, CutsPower):
+    def _coast_unless_known(self, axis: int | None) -> None:
+        """A joint that is falling, or whose encoder told nonsense, as something else happens: where
+        its torque may act the wrong way round its drive's ramp is worse than none, and nobody looks
+        at it any more while the others' brakes close."""
+        if axis is None or self.right_way.known[axis] or not isinstance(self.backend, CutsPower):
             return
         with contextlib.suppress(Exception):
             asked("cut_power", self.backend.cut_power, axis)

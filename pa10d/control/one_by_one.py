@@ -44,6 +44,11 @@ class OneByOne:
         """Whether a joint is being stopped by its drive: its ramp takes its time."""
         return self._caught is not None
 
+    @property
+    def stopped(self) -> int | None:
+        """Which one."""
+        return None if self._caught is None else self._caught.axis
+
     def watch(self, period: float) -> None:
         """Violation where a joint that its drive stops gets faster meanwhile, or goes on."""
         if self._caught is not None:

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from backends.cia402 import FaultReaction
+from pa10d.control.faults import LoopFault
+from pa10d.control.gains import first_gains
 from pa10d.control.right_way import FAR, RightWay
 
 WRONG = 1  # 0-based
@@ -48,6 +50,44 @@ def test_a_joint_that_nobody_has_seen_move_is_left_to_its_brake(world):
     world.run(story())
     assert begun[0] > 0.1, "it did not move: nothing was shown"
     assert max(speeds) < begun[0] + 0.05
+    assert world.at_rest()
+
+
+def test_a_joint_that_its_drive_stops_as_another_faults_is_left_to_its_brake(make_world):
+    """Nobody looked at its ramp any more: 5.7 rad/s, and the next brakes slip by that."""
+    world = make_world(home=[0.0, 0.9, 0.9])
+    arm, mechanics = world.arm, world.drives.mechanics
+    first = first_gains(world.robot, world.profile.control, arm.path.limits.following_error)
+    seen: list[tuple[int, float]] = []
+
+    def story():
+        world.say("connect")
+        yield world.is_in("inactive")
+        world.say("gains", gains=first.document(), bodies=None)
+        yield world.passes(0.1)
+        described, again = arm._gravity, arm.backend.try_again
+
+        def stopped():
+            falls = arm.path.brakes.stopped
+            mechanics.motors = np.where(np.arange(world.robot.n) == falls, -1.0, 1.0)
+            seen.append((falls, 0.0))
+            again()
+
+        arm._gravity = lambda q: 0.4 * described(q)
+        arm.backend.try_again = stopped
+        world.say("enable")
+        yield lambda: bool(seen)
+        arm._on_fault(LoopFault("brake_gave", "left its place in its brake", 2))
+
+        def ends():
+            seen.append((seen[0][0], float(np.abs(mechanics.velocity[seen[0][0]]))))
+            return world.state() == "fault"
+
+        yield ends
+        yield world.passes(0.5)
+
+    world.run(story())
+    assert max(speed for _, speed in seen) < 0.5
     assert world.at_rest()
 
 
