@@ -103,6 +103,19 @@ def test_what_acts_beyond_a_place_did_not_come_at_the_moment_the_arm_went_there(
     assert told_of(runs) == ()
 
 
+def test_runs_that_go_elsewhere_do_not_contradict_each_other():
+    """Friction that another joint's angle sets "came or went" where one run held that elsewhere."""
+    runs = {}
+    for number, name in enumerate(("fit_a", "fit_b", "valid_a", "valid_b")):
+        t, q, dq, ddq = motion(550 + number)
+        q[:, 1] += 1.5 * (name == "fit_b")
+        rubs = 0.8 * np.tanh(q[:, 1] / 0.3) * np.tanh(dq[:, 0] / 0.01)
+        noise = 0.05 * np.random.default_rng(number).standard_normal(q.shape)
+        tau = textbook_torque(q, dq, ddq) + np.outer(rubs, [1.0, 0.0]) + noise
+        runs[name] = Recording(name, t, q, tau)
+    assert told_of(runs) == ()
+
+
 @pytest.mark.long
 def test_the_moment_is_said_once_for_all_joints_and_what_to_do():
     runs = recordings(5, lambda t, *moved: more_mass(t, *moved) * (t > MOMENT)[:, None])

@@ -3,8 +3,9 @@
 A payload that was there on one day, friction that rose, a sensor that was zeroed anew: a model of
 all runs is right in none, and what it leaves looks like whatever it happens to look like. So what
 may have changed is tried in some of the runs alone (Chow 1960: other coefficients in a part of the
-data), under noise as slow as it is, and has to hold from one stretch of time to the next. What an
-arm picks up or puts down on its way contradicts itself within a run; that is tried likewise, and
+data), under noise as slow as it is, and has to hold from one stretch of time to the next; and no
+law of the motion may take as much, for runs that go elsewhere meet another part of it. What an arm
+picks up or puts down on its way contradicts itself within a run; that is tried likewise, and
 believed where no place and no direction of the motion tells the two sides apart as well.
 """
 
@@ -34,6 +35,7 @@ from pa10d.diagnose.regression.least_squares import LeastSquares
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState, Suspects
 from pa10d.diagnose.unknown.own_part import OwnPart, beside, lasting, own_part
+from pa10d.diagnose.unknown.structure import strongest_maps
 from pa10d.effects import Effect, Shape
 
 Array = NDArray[np.float64]
@@ -209,6 +211,8 @@ def contradiction(
         if best.part.at is not None and _told_by_place(state, fit, best, best.part.at):
             moments = []
             continue
+        if parts is None and best.part.at is None and _told_by_motion(state, best):
+            break
         taken.append((best, p_value))
         fit = beside(fit, best)
     if any(one.part.at is not None for one, _ in taken):
@@ -250,6 +254,25 @@ def _told_by_place(state: SearchState, fit: LeastSquares, best: _Own, at: float)
     places = [_Place(best.runs, *one) for one in product(range(n), [at], sides, sides)]
     found = _tried(state, [(best.effect, best.joints)], fit, places)
     return max((one.gain for one in found), default=0.0) > (1.0 - MATERIAL_GAIN) * best.gain
+
+
+def _told_by_motion(state: SearchState, best: _Own) -> bool:
+    """Does one law of the motion take as much, and foretell most of what runs held out keep where
+    the fitted ones have been? Runs that go elsewhere meet another part of what a model lacks, and
+    ask for other parameters though nothing changed."""
+    power = {j: float(moved @ moved) for j, moved in best.change.items()}
+    joint = max(power, key=lambda j: power[j])
+    if joint in state.held.silent:
+        return False
+    left, held = state.fit.residual[joint], state.held_residual()[joint]
+    taken = float(left @ left) - float(np.sum((left - best.change[joint]) ** 2))
+    for law in strongest_maps(state, joint):
+        r, inside = held[law.inside], law.values[law.inside]
+        foretold = 1.0 - float(np.sum((r - inside) ** 2)) / max(float(r @ r), 1e-300)
+        gain = 0.0 if law.map is None else law.map.gain
+        if gain > (1.0 - MATERIAL_GAIN) * taken and foretold > BROKEN_SHARE:
+            return True
+    return False
 
 
 def _tried(

@@ -144,6 +144,13 @@ def all_maps(
             yield results
 
 
+def strongest_maps(state: SearchState, joint: int) -> list[Prediction]:
+    """What the maps of a joint's motion that help the fit side most foretell of the held-out side,
+    whether or not that holds."""
+    motions = variables_of(state.train, "motion"), variables_of(state.held, "motion")
+    return _strongest(state, *motions, joint, "motion")
+
+
 def questions(joint: int, n: int) -> list[tuple[str, ...]]:
     """Which variables a map of this joint's residual may use (names with joints from 1)."""
     q = [f"q{j + 1}" for j in range(n)]
