@@ -405,7 +405,8 @@ class Arm:
         """Of an arm whose brakes open one by one, one joint; what it tells counts from now on."""
         path, holding = self.path, self.path.holding
         before = holding.alone
-        again = path.brakes.try_alone(backend.out_of_brakes if under_way else None)
+        out = backend.out_of_brakes if under_way else None
+        again = path.brakes.try_alone(out, lambda: self._weight(path.q))
         if holding.alone == before and not again:
             return
         here, stood = self._weight(path.q), self._weight(self._stood_at)

@@ -6,11 +6,12 @@ that told.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.control.carried import carried
 from pa10d.control.fall import CREEPS, Weighed
 from pa10d.control.faults import LoopFault
 from pa10d.control.holding import FELL, HeldJoints, Holding
@@ -37,6 +38,7 @@ class OneByOne:
         self._out: set[int | None] | None = None  # joints that are out, or not surely in; None: all
         self._caught: Caught | None = None  # one that fell and whose brake closes: it is tried anew
         self._trials = [Trials() for _ in range(n)]
+        self._tried_at = 0.0  # N·m that its description says where it was as it was caught
         self._borne = False  # the one that is tried, by what it was told to weigh as it fell
 
     @property
@@ -64,16 +66,19 @@ class OneByOne:
         others = "" if alone is None else f" as that of joint {alone + 1} opened"
         return LoopFault("brake_gave", f"{violation.cause} in its brake{others}", violation.axis)
 
-    def try_alone(self, out: Sequence[int] | None) -> bool:
+    def try_alone(self, out: Sequence[int] | None, describe: Callable[[], Array]) -> bool:
         """Of all joints only these are ``out`` of their brakes, the last of them just now; None: it
         is no matter of brakes. All others shall be where they are, and keep the torque with which
         each was held as its own brake closed. Whether the last one falls, told how, and is to be
-        tried again with what holds it by that, its brake being closed meanwhile."""
+        tried again with what holds it by that, its brake being closed meanwhile. describe: (n,) N·m
+        that the description says here: until its brake has it, it goes on."""
         joints, holding, caught = self._joints, self._holding, self._caught
         closing = caught is not None and (out is None or caught.axis not in out)
         axis = caught.axis if caught is not None else out[-1] if out else None
         if caught is not None and not closing:
-            holding.hold(caught.axis, float(holding.thought[caught.axis]))
+            at, here = np.array([self._tried_at]), describe()[[caught.axis]]
+            torque = float(carried(holding.thought[[caught.axis]], at, here)[0])
+            holding.hold(caught.axis, holding.at_most(caught.axis, torque))
             joints.reference.q[caught.axis] = joints.q[caught.axis]
             self._caught = holding.by_trial = None
         before = holding.alone
@@ -87,7 +92,7 @@ class OneByOne:
         if out is None:
             return False
         self._leave_be(list(out))
-        return axis is not None and not closing and self._falls(axis)
+        return axis is not None and not closing and self._falls(axis, describe)
 
     def take_along(self, described: Array, weighed: int | None) -> None:
         """The arm has moved meanwhile, and one joint is ``weighed`` now; N·m (n,) that its
@@ -102,7 +107,7 @@ class OneByOne:
         reference.rest(self._joints.q.copy())
         reference.q[out] = places
 
-    def _falls(self, axis: int) -> bool:
+    def _falls(self, axis: int, describe: Callable[[], Array]) -> bool:
         """Whether this joint, whose brake is open alone, goes away ever faster, or goes on as far
         again, and is to be tried again: it is borne by what holds it as far as that was told. Where
         that is known well, it may be held by that, and has as much time once more."""
@@ -122,7 +127,8 @@ class OneByOne:
             return False
         if told is None and slides and rise <= 0.0:  # faster: its torque may act the wrong way
             told = in_vain(float(holding.thought[axis]), float(joints.sent[axis]))
-        found = trials.next(fell, told)
+        described = float(describe()[axis])
+        found = trials.next(fell, told, described)
         if found is None:
             return False
         holding.hold(axis, holding.at_most(axis, found.torque))
@@ -130,6 +136,7 @@ class OneByOne:
             self._borne = True
             return False
         trials.count += 1
+        self._tried_at = described
         least = STANDING * float(joints.limits.velocity[axis])
         ramp = float(joints.limits.acceleration[axis])
         self._caught = Caught(axis, (float(speed), max(rise, abs(fell.rise))), least, ramp)

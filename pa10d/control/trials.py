@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.control.carried import carried
 from pa10d.control.fall import MOST, SURE, Driven, Weighed
 from pa10d.control.faults import RAN_ON, LoopFault
 from pa10d.control.joint_figures import ROUGH
@@ -33,11 +34,17 @@ class Trials:
     def __init__(self) -> None:
         self.count = 0  # that its brake has ended
         self._went: dict[bool, Driven] = {}  # up, down: the last of each
+        self._described = 0.0  # N·m, where it was then
 
-    def next(self, fell: Driven, told: Weighed | None) -> Weighed | None:
+    def next(
+        self, fell: Driven, told: Weighed | None, described: float | None = None
+    ) -> Weighed | None:
         """What is to be tried after it fell, a step nearer, and sure where it lies between two that
         were; told: what would have held it, by that fall and what is presumed. None: nobody
-        knows, or more of it had the joint fall the faster."""
+        knows, or more of it had the joint fall the faster. described: N·m by the description, where
+        it is; None: as before. Each trial takes it on, and what it weighs changes by that."""
+        if described is not None:
+            self._take_along(described)
         up = fell.rise > 0.0
         found = self._between(up, fell)
         if found is None:
@@ -45,6 +52,13 @@ class Trials:
         if found is not None:
             self._went[up] = fell
         return found
+
+    def _take_along(self, described: float) -> None:
+        there, here = np.array([self._described]), np.array([described])
+        for up, fell in self._went.items():
+            torque = float(carried(np.array([fell.torque]), there, here)[0])
+            self._went[up] = replace(fell, torque=torque)
+        self._described = described
 
     def _between(self, up: bool, fell: Driven) -> Weighed | None:
         other = self._went.get(not up)

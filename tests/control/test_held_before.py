@@ -16,6 +16,7 @@ from pa10d.control.joint_figures import presumed_figures
 from pa10d.control.journal import Journal
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
+from pa10d.control.trials import Caught
 from pa10d.dynamics import robot_from_profile
 from pa10d.profile import load_profile
 from pa10d.services.joints import learnt
@@ -255,6 +256,11 @@ def test_what_was_told_goes_along_as_a_share_however_far(arm, far, weighs):
     assert arm._thought() == pytest.approx(np.array([weighs, 4.0]) * np.cos(far))
 
 
+def described() -> np.ndarray:
+    """N·m (2,) by a description that says nothing."""
+    return np.zeros(2)
+
+
 @pytest.mark.parametrize(
     ("tried", "share", "lets"),
     [
@@ -270,7 +276,7 @@ def test_a_joint_alone_has_time_to_be_caught(arm, tried, share, lets):
     were held alone are shaken as all brakes open, and do not fall."""
     arm.enable()
     for out in tried:
-        arm.path.brakes.try_alone(out)
+        arm.path.brakes.try_alone(out, described)
     arm.path.dq[0] = share * limits().velocity[0]
 
     def watched():
@@ -289,19 +295,19 @@ def test_a_joint_keeps_the_torque_that_held_it_alone(arm):
     """Its own brake is closed again; another is tried, and what it does moves nobody's place."""
     arm.enable()
     path, tried = arm.path, arm.path.controller
-    path.brakes.try_alone([0])
+    path.brakes.try_alone([0], described)
     for _ in range(3):
         path.q[0] -= 1e-3
-        path.brakes.try_alone([0])
+        path.brakes.try_alone([0], described)
         sent = path.torque(ArmState.ENABLING).copy()
     assert path.reference.q[0] - path.q[0] == pytest.approx(3e-3)
     assert sent[0] > THOUGHT + 0.5
-    path.brakes.try_alone([])
+    path.brakes.try_alone([], described)
     assert path.holding.thought == pytest.approx([sent[0], THOUGHT])
     assert path.reference.q == pytest.approx(path.q)
-    path.brakes.try_alone([1])
+    path.brakes.try_alone([1], described)
     path.q[0] += 1e-4
-    path.brakes.try_alone([1])
+    path.brakes.try_alone([1], described)
     path.dq[:] = 0.0
     assert tried.torque(path.reference, path.q, path.dq)[0] == pytest.approx(sent[0], abs=1e-6)
 
@@ -322,7 +328,7 @@ def test_what_was_told_goes_along_as_others_move(arm):
     """The one that is weighed now as it is; those that are free are held by their servos."""
     path = arm.path
     path.power_up(np.array([2.0, 6.0]), np.array([1.0, 3.0]))
-    path.brakes.try_alone([])
+    path.brakes.try_alone([], described)
     path.brakes.take_along(np.array([1.5, 2.0]), 1)
     assert path.holding.thought == pytest.approx([3.0, 6.0])
     path.brakes.take_along(np.array([1.5, 1.0]), None)
@@ -330,7 +336,7 @@ def test_what_was_told_goes_along_as_others_move(arm):
     path.brakes.take_along(np.array([-0.1, 1.0]), None)
     assert path.holding.thought == pytest.approx([2.0, 3.0]), "near zero it is all error"
     path.brakes.take_along(np.array([1.5, 1.0]), None)
-    path.brakes.try_alone([0])
+    path.brakes.try_alone([0], described)
     path.brakes.take_along(np.array([1.0, 1.5]), None)
     assert path.holding.thought == pytest.approx([3.0, 4.5])
 
@@ -340,11 +346,24 @@ def test_one_that_gets_faster_and_tells_nothing_is_given_no_more(arm, monkeypatc
     """Its torque may act the wrong way round; one that slides on is not held by enough."""
     path = arm.path
     path.power_up(np.array([2.0, 6.0]))
-    path.brakes.try_alone([0])
+    path.brakes.try_alone([0], described)
     monkeypatch.setattr(path.holding._falls, "driven", lambda axis: Driven(1.9, 0.5))
     monkeypatch.setattr(path.holding._falls, "weighed", lambda *_: None)
     path.exit.sent[0] = 1.9
     path.q[0] += 0.5 * limits().following_error[0]
     path.dq[0], path._dq_before[0] = 0.1, before
-    assert path.brakes.try_alone([0]) is again
+    assert path.brakes.try_alone([0], described) is again
     assert path.holding.thought[0] == pytest.approx(1.8 if again else 2.0)
+
+
+def test_a_joint_that_goes_on_until_its_brake_has_it_is_held_by_what_it_weighs_there(arm):
+    """Gravity turned it further over while its drive stopped it: it was begun with what it had
+    weighed before, and fell again, four times and 1.3 rad."""
+    path = arm.path
+    path.power_up(np.array([2.0, 6.0]))
+    path.brakes.try_alone([0], lambda: np.array([1.0, 6.0]))
+    path.brakes._caught = Caught(0, (0.1, 1.0), 0.5, 7.0)
+    path.brakes._tried_at = 1.0
+    path.brakes.try_alone([], lambda: np.array([1.3, 6.0]))
+    path.brakes.try_alone([0], lambda: np.array([1.5, 6.0]))
+    assert path.holding.thought[0] == pytest.approx(3.0)

@@ -52,7 +52,7 @@ def falls(path, wrist, time):
     """→ s, and whether its brake is to end that. Torque is there before the brake opens."""
     for cycle in range(60):
         seen(path, wrist, time)
-        if path.brakes.try_alone([0] if cycle > 3 else []):
+        if path.brakes.try_alone([0] if cycle > 3 else [], lambda: np.zeros(1)):
             return time, True
         path.watch_standing()
         torque = float(path.torque(ArmState.ENABLING)[0])

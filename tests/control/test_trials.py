@@ -68,6 +68,18 @@ def test_a_joint_that_weighs_otherwise_by_now_begins_anew():
     assert trials.next(fell(0.5, 10.0), told(0.2, -3.0)).torque == 0.2
 
 
+def test_what_a_trial_told_goes_along_to_the_next():
+    """Each takes the joint on. More torque seemed to have it fall the faster, for it weighed more
+    there, and nothing was tried any more."""
+    trials, body = Trials(), 0.05
+    assert trials.next(fell(1.9, -0.1 / body), told(2.2, 3.0), described=1.8).torque == 2.2
+    found = trials.next(fell(2.2, -0.2 / body), told(2.3, 4.0), described=1.2 * 1.8)
+    assert found is not None
+    assert found.torque == 2.3
+    found = trials.next(fell(2.3, -0.1 / body), told(2.3, 4.0), described=1.2 * 1.8)
+    assert found.torque == pytest.approx(2.4)
+
+
 def test_nothing_known_is_nothing_tried():
     trials = Trials()
     assert trials.next(fell(1.0, -20.0), None) is None
