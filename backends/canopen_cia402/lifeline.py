@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from backends.canopen_cia402.objects import LIFELINE, declared, lack
 from backends.canopen_cia402.remote import Remote
 from backends.cia402 import Reaction
+from pa10d.common.words import listed
 from pa10d.profile import Drive, Risk
 
 GUARD_TIME, LIFE_TIME_FACTOR = 0x100C, 0x100D
@@ -26,8 +27,7 @@ class Lifeline:
 def be_watched(remote: Remote, master: int, silence_ms: int, heartbeat_ms: int) -> Lifeline:
     """Have node ``master``'s silence noticed and answered by a fault, by whatever the drive has."""
     made = Lifeline()
-    _forget(remote, master)
-    problem = remote.write(0x1016, master << 16 | silence_ms, 1)
+    problem = _watch(remote, master, silence_ms)
     if problem is not None:
         made.guarded = _guard(remote, heartbeat_ms)
         if not made.guarded:
@@ -41,11 +41,24 @@ def be_watched(remote: Remote, master: int, silence_ms: int, heartbeat_ms: int) 
     return made
 
 
-def _forget(remote: Remote, master: int) -> None:
-    """Another entry of the same node, which an earlier master left, would keep ours out."""
-    for sub in range(2, (remote.read(0x1016) or 0) + 1):
-        if (remote.read(0x1016, sub) or 0) >> 16 & 0x7F == master:
-            remote.write(0x1016, 0, sub)
+def _watch(remote: Remote, master: int, silence_ms: int) -> str | None:
+    """By an entry that is ours already, or free: whom else the drive watches, an emergency stop's
+    module say, it goes on to watch. None: done; else why not."""
+    entries = {sub: remote.read(0x1016, sub) or 0 for sub in _entries(remote)}
+    watched = {sub: value >> 16 & 0x7F for sub, value in entries.items() if value & 0xFFFF}
+    ours = [sub for sub, node in watched.items() if node == master]
+    free = [sub for sub in entries if watched.get(sub, 0) == 0]
+    for sub in ours[1:]:  # which an earlier master left: it would keep ours out
+        remote.write(0x1016, 0, sub)
+    if not ours and not free:
+        others = listed(sorted({str(node) for node in watched.values()}))
+        return f"all it can watch is node {others}: set an entry of it to 0 if nobody is there"
+    return remote.write(0x1016, master << 16 | silence_ms, (ours or free)[0])
+
+
+def _entries(remote: Remote) -> range:
+    """Sub-indices that the drive has; it may not tell how many."""
+    return range(1, max(remote.read(0x1016) or 0, 1) + 1)
 
 
 def not_accepted(drive: Drive, risks: dict[Risk, str]) -> list[str]:

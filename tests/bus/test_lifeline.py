@@ -8,6 +8,7 @@ import pytest
 from bus_helpers import make_profile, own_eds_without, running, virtual_arm
 
 from backends import by_hand
+from backends.canopen_cia402 import lifeline
 from backends.canopen_cia402.backend import CanopenBackend
 from backends.canopen_cia402.lifeline import not_accepted
 from backends.frames import REMOTE, frame, frames
@@ -120,3 +121,52 @@ def test_a_real_arm_is_not_powered_before_its_risks_are_accepted(tmp_path: Path)
             by_hand.disable(arm)
         finally:
             arm.close()
+
+
+class Entries:
+    """0x1016 of a drive, as far as it is asked."""
+
+    def __init__(self, *entries: int) -> None:
+        self.values = [len(entries), *entries]
+
+    def read(self, index: int, sub: int = 0) -> int | None:
+        assert index == 0x1016
+        return self.values[sub] if sub < len(self.values) else None
+
+    def write(self, index: int, value: int, sub: int = 0) -> str | None:
+        assert index == 0x1016
+        if sub >= len(self.values):
+            return "absent"
+        self.values[sub] = value
+        return None
+
+
+STOP_MODULE, OURS, OLD = 5 << 16 | 300, 127 << 16 | 250, 127 << 16 | 900
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ([0, 0], [OURS, 0]),
+        ([STOP_MODULE, 0], [STOP_MODULE, OURS]),
+        ([OLD, STOP_MODULE], [OURS, STOP_MODULE]),
+        ([STOP_MODULE, OLD], [STOP_MODULE, OURS]),
+        ([OLD, OLD], [OURS, 0]),
+        ([5 << 16, 0], [OURS, 0]),
+    ],
+    ids=["none", "another's", "ours, another's", "another's, ours", "twice ours", "switched off"],
+)
+def test_whom_else_a_drive_watches_it_goes_on_to_watch(before: list[int], after: list[int]) -> None:
+    """The module of an emergency stop stood in the first entry, which ours took."""
+    drive = Entries(*before)
+    assert lifeline._watch(drive, 127, 250) is None  # type: ignore[arg-type]
+    assert drive.values[1:] == after
+
+
+def test_a_drive_that_can_watch_nobody_else_is_no_go_and_says_whom() -> None:
+    drive = Entries(STOP_MODULE)
+    said = lifeline._watch(drive, 127, 250)  # type: ignore[arg-type]
+    assert drive.values[1:] == [STOP_MODULE]
+    assert said is not None
+    assert "node 5" in said
+    assert lifeline._watch(Entries(), 127, 250) == "absent"  # type: ignore[arg-type]
