@@ -71,6 +71,17 @@ def may_be_nothing(term: Term, found: Mapping[str, Value]) -> bool:
     return bool(shares) and all(SURELY * v.std_error_random > abs(v.value) for v in shares)
 
 
+def no_whole(term: Term, found: Mapping[str, Value]) -> bool:
+    """Of an effect that its shape describes whole: is its share, but for noise, beyond what it may
+    be?"""
+    shares = [
+        (c, found[c.name]) for c in term.effect.coefficients if c.whole_at_one and c.name in found
+    ]
+    return any(
+        max(c.lower - v.value, v.value - c.upper) > SURELY * v.std_error_random for c, v in shares
+    )
+
+
 def not_one(term: Term, found: Mapping[str, Value]) -> bool:
     """Is not one of a term's numbers an estimate? Left out are those that are chosen, and shares
     of what a shape says."""

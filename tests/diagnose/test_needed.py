@@ -79,6 +79,27 @@ def test_what_has_no_number_and_takes_less_than_is_left_is_not_told(
     assert len(search.state.terms) == kept
 
 
+def test_a_gap_that_passes_less_than_half_of_the_torque_is_none(monkeypatch):
+    """ "Backlash" with a share of 0.42 ± 0.03 and no number stood for what a spring next to it
+    left."""
+    gap = Term("backlash", (1,), np.array([0.42]), {"b": 1e-3})
+    share = {0.42: 0, 0.9: 1}
+    for value, kept in share.items():
+        told = {
+            "share": Value(value, 0.5, "", random=0.03),
+            "b": Value(1e-3, 6e-4, "rad", determined=False),
+        }
+        monkeypatch.setattr(
+            with_numbers,
+            "snapshot",
+            lambda *_, told=told: SimpleNamespace(term_values=lambda _: told),
+        )
+        state = State(1.5, [gap])
+        search = SimpleNamespace(state=state, fixed=0, settle=lambda: None, floor=None)
+        needed_without_numbers(search, None, [])
+        assert len(search.state.terms) == kept
+
+
 @pytest.mark.parametrize(("doubt", "kept"), [(1.2, 0), (0.3, 1)])
 def test_a_spring_that_may_as_well_be_nothing_is_no_finding(monkeypatch, doubt, kept):
     """A servo "shows elasticity" was said beside a share of 1.44 ± 1.2 and no number."""

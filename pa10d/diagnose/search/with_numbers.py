@@ -14,7 +14,7 @@ from pa10d.diagnose.search.versions import snapshot
 from pa10d.effects import Value
 from pa10d.judgement import RunResidual
 from pa10d.model import Term, TorqueModel
-from pa10d.model.estimates import may_be_nothing, not_one
+from pa10d.model.estimates import may_be_nothing, no_whole, not_one
 
 Array = NDArray[np.float64]
 
@@ -83,7 +83,8 @@ def _less_than_is_left(without: Array, left: Array, floor: Array | None) -> bool
 
 
 def _without_shares(search: Search, given: TorqueModel, as_given: Sequence[RunResidual]) -> None:
-    """Drop springs and gaps of which the share may as well be zero."""
+    """Drop springs and gaps without a number of which the share may as well be zero, or is surely
+    none that all of a joint's torque could have: something else asks for columns like theirs."""
     state = search.state
     asked = [
         index
@@ -97,7 +98,8 @@ def _without_shares(search: Search, given: TorqueModel, as_given: Sequence[RunRe
     none = [
         index
         for index, found in values.items()
-        if not_one(term := state.terms[index], found) and may_be_nothing(term, found)
+        if not_one(term := state.terms[index], found)
+        and (may_be_nothing(term, found) or no_whole(term, found))
     ]
     for index in reversed(none):
         state.drop(index)
