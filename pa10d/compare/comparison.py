@@ -22,6 +22,7 @@ from pa10d.judgement import (
     NoiseFloor,
     RunResidual,
     Scores,
+    beside_its_own,
     in_band,
     judged,
     least_floor,
@@ -119,11 +120,9 @@ def compare(
         views = through(other, recordings, model.cutoff)
         others.append(_apart_and_together(other.name, views) if views else None)
     seen = [_apart_and_together(model.name, residuals), *(one for one in others if one)]
-    floors = [least_floor([one.floor for one in each]) for each in zip(*seen, strict=True)]
+    least = [least_floor([one.floor for one in each]) for each in zip(*seen, strict=True)]
     known = of_own_runs([given, *beside], model.cutoff)
-    floors = [
-        or_of_own_runs(floor, known, one.rms) for floor, one in zip(floors, seen[0], strict=True)
-    ]
+    floors = [_floor_of(one, floor, known) for one, floor in zip(seen[0], least, strict=True)]
     own: list[RunScores] = []
     for run, floor in zip(residuals, floors, strict=False):
         progress(0.3 + 0.3 * len(own) / len(recordings), f"run {run.name}")
@@ -150,7 +149,10 @@ def compare(
             *_above_band(orders, model.cutoff, pooled.scores.rms),
             *map_warnings(model, residuals),
         ),
-        beside=tuple(replace(one[-1], floor=floors[-1]) if one else None for one in others),
+        beside=tuple(
+            replace(one[-1], floor=_floor_of(one[-1], least[-1], known)) if one else None
+            for one in others
+        ),
     )
 
 
@@ -158,6 +160,12 @@ def _apart_and_together(model: str, residuals: Sequence[RunResidual]) -> list[Ju
     """Of every run, and last of all where there are several."""
     found = [judged(model, [run]) for run in residuals]
     return [*found, judged(model, residuals)] if len(found) > 1 else found
+
+
+def _floor_of(one: Judgement, least: NoiseFloor, known: Array | None) -> NoiseFloor:
+    """Of a model on some runs, with the least that any model shows of their noise; known: (n,) N·m
+    of the models' own runs."""
+    return or_of_own_runs(beside_its_own(least, one.floor), known, one.rms)
 
 
 def _of(name: str, runs: list[RunResidual], model: TorqueModel, floor: NoiseFloor) -> RunScores:

@@ -13,7 +13,13 @@ from pa10d.judgement.judge import (
     with_one_floor,
 )
 from pa10d.judgement.noise import NoiseFloor, noise_floor
-from pa10d.judgement.one_floor import least_floor, of_own_runs, or_of_own_runs, through
+from pa10d.judgement.one_floor import (
+    beside_its_own,
+    least_floor,
+    of_own_runs,
+    or_of_own_runs,
+    through,
+)
 from pa10d.judgement.repeatable import Repeatable, repeatable
 from pa10d.judgement.residuals import RunResidual, residual_of, run_residual
 from pa10d.judgement.reversing import Reversing, reversing
@@ -33,6 +39,7 @@ __all__ = [
     "Scores",
     "Turning",
     "band",
+    "beside_its_own",
     "common_band",
     "in_band",
     "judge",

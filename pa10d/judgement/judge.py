@@ -12,7 +12,13 @@ from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject, plain
 from pa10d.judgement.band import common_band, in_band
 from pa10d.judgement.noise import NoiseFloor, noise_floor
-from pa10d.judgement.one_floor import least_floor, of_own_runs, or_of_own_runs, through
+from pa10d.judgement.one_floor import (
+    beside_its_own,
+    least_floor,
+    of_own_runs,
+    or_of_own_runs,
+    through,
+)
 from pa10d.judgement.residuals import RunResidual, run_residual
 from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
@@ -95,9 +101,10 @@ def judge_alike(
 
 
 def with_one_floor(found: Sequence[Judgement]) -> list[Judgement]:
-    """Judgements on the same runs in one band, all with the least floor that any of them saw."""
+    """Judgements on the same runs in one band, all with the least floor that any of them saw, and
+    what each makes of the angles' noise."""
     floor = least_floor([one.floor for one in found])
-    return [replace(one, floor=floor) for one in found]
+    return [replace(one, floor=beside_its_own(floor, one.floor)) for one in found]
 
 
 def with_known_floor(one: Judgement, known: Array | None) -> Judgement:

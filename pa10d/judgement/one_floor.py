@@ -1,7 +1,8 @@
 """One noise floor for all models that are judged on the same runs.
 
 Noise is a property of the runs. What a poorer model's error has besides, and what never comes
-again, looks like noise through that model and only adds to it: the least floor is the nearest.
+again, looks like noise through that model and only adds to it: the least floor is the nearest. But
+what noise of the angles makes is the judged model's own: one that knows of a spring makes more.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.judgement.band import in_band
-from pa10d.judgement.noise import NoiseFloor
+from pa10d.judgement.noise import ANGLES, NoiseFloor
 from pa10d.judgement.residuals import RunResidual, run_residual
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
@@ -31,6 +32,19 @@ def least_floor(seen: Sequence[NoiseFloor]) -> NoiseFloor:
         tuple(seen[k].methods[j] for j, k in enumerate(least)),
         np.array([seen[k].errors[j] for j, k in enumerate(least)]),
         np.array([seen[k].slow[j] for j, k in enumerate(least)]),
+    )
+
+
+def beside_its_own(least: NoiseFloor, own: NoiseFloor) -> NoiseFloor:
+    """The least floor, for a model that by itself shows ``own``: where that is what it makes of the
+    angles' noise, no other model takes anything of it away."""
+    made = [method == ANGLES for method in own.methods] & (own.values > least.values)
+    methods = (o if m else one for m, o, one in zip(made, own.methods, least.methods, strict=True))
+    return NoiseFloor(
+        np.where(made, own.values, least.values),
+        tuple(methods),
+        np.where(made, own.errors, least.errors),
+        np.where(made, own.slow, least.slow),
     )
 
 
