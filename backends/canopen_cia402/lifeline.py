@@ -42,18 +42,18 @@ def be_watched(remote: Remote, master: int, silence_ms: int, heartbeat_ms: int) 
 
 
 def _watch(remote: Remote, master: int, silence_ms: int) -> str | None:
-    """By an entry that is ours already, or free: whom else the drive watches, an emergency stop's
+    """By the first entry that is free, or was ours: whom else the drive watches, an emergency stop's
     module say, it goes on to watch. None: done; else why not."""
     entries = {sub: remote.read(0x1016, sub) or 0 for sub in _entries(remote)}
     watched = {sub: value >> 16 & 0x7F for sub, value in entries.items() if value & 0xFFFF}
-    ours = [sub for sub, node in watched.items() if node == master]
-    free = [sub for sub in entries if watched.get(sub, 0) == 0]
-    for sub in ours[1:]:  # which an earlier master left: it would keep ours out
-        remote.write(0x1016, 0, sub)
-    if not ours and not free:
+    for sub, node in watched.items():
+        if node == master:  # which an earlier master left: it would keep ours out
+            remote.write(0x1016, 0, sub)
+    free = [sub for sub in entries if watched.get(sub, 0) in (0, master)]
+    if not free:
         others = listed(sorted({str(node) for node in watched.values()}))
         return f"all it can watch is node {others}: set an entry of it to 0 if nobody is there"
-    return remote.write(0x1016, master << 16 | silence_ms, (ours or free)[0])
+    return remote.write(0x1016, master << 16 | silence_ms, free[0])
 
 
 def _entries(remote: Remote) -> range:
