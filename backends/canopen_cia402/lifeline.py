@@ -42,8 +42,8 @@ def be_watched(remote: Remote, master: int, silence_ms: int, heartbeat_ms: int) 
 
 
 def _watch(remote: Remote, master: int, silence_ms: int) -> str | None:
-    """By the first entry that is free, or was ours: whom else the drive watches, an emergency stop's
-    module say, it goes on to watch. None: done; else why not."""
+    """By the first entry that is free, or was ours: whom else the drive watches, the module of an
+    emergency stop say, it goes on to watch. None: done; else why not."""
     entries = {sub: remote.read(0x1016, sub) or 0 for sub in _entries(remote)}
     watched = {sub: value >> 16 & 0x7F for sub, value in entries.items() if value & 0xFFFF}
     for sub, node in watched.items():
