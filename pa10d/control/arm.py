@@ -121,7 +121,7 @@ class Arm:
         stood at rest, as somebody has kept it; measured: so were its joints, which shows that
         torque acts the right way round."""
         require("connect", self.state, ArmState.OFFLINE)
-        self.right_way.known[:] = measured
+        self.right_way.connected(measured)
         self._trust()
         self.whereabouts.lost()
         self.whereabouts.recall(stood)

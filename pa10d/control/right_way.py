@@ -20,9 +20,15 @@ class RightWay:
 
     def __init__(self, n: int) -> None:
         self.known = np.zeros(n, dtype=bool)
+        self._doubted = np.zeros(n, dtype=bool)  # since it was known last
         self._ends = np.zeros((2, n))  # rad, the lowest and highest that each was led to since …
         self._went = np.zeros((2, n), dtype=bool)  # … it turned; whether it went down, up with that
         self.begin(np.zeros(n))
+
+    def connected(self, measured: bool) -> None:
+        """The drives are there, measured: their joints were, some time. What has spoken against one
+        since counts more, until it has gone there and back."""
+        self.known[:] = measured & ~self._doubted
 
     def begin(self, q: Array) -> None:
         """A motion begins at q."""
@@ -32,6 +38,7 @@ class RightWay:
     def doubt(self, axis: int) -> None:
         """Something speaks against it."""
         self.known[axis] = False
+        self._doubted[axis] = True
         self._went[:, axis] = False
 
     def see(self, wanted: Array, q: Array) -> bool:
@@ -49,4 +56,5 @@ class RightWay:
         high[:] = np.where(rose, wanted, np.maximum(high, wanted))
         before = self.known.sum()
         self.known |= self._went.all(axis=0)
+        self._doubted &= ~self.known
         return bool(self.known.sum() > before)

@@ -143,3 +143,17 @@ def test_it_is_known_of_who_goes_there_and_back_as_it_is_led(wanted, went, known
     for led, is_at in np.transpose(ways) * 1.2 * FAR:
         seen.see(np.array([led]), np.array([is_at]))
     assert bool(seen.known[0]) is known
+
+
+def test_what_a_fault_doubted_no_old_measurement_makes_known():
+    """A new connect took it for known again."""
+    seen = RightWay(2)
+    seen.connected(measured=True)
+    seen.doubt(WRONG)
+    seen.connected(measured=True)
+    assert seen.known.tolist() == [True, False]
+    seen.begin(np.zeros(2))
+    for q in np.concatenate([np.linspace(0.0, 2.0 * FAR, 20), np.linspace(2.0 * FAR, 0.0, 20)]):
+        seen.see(np.full(2, q), np.full(2, q))
+    seen.connected(measured=True)
+    assert seen.known.all()
