@@ -19,7 +19,6 @@ from backends.canopen_cia402.configure import DriveReport, Wish
 from backends.canopen_cia402.exchange import Counters, Exchange
 from backends.canopen_cia402.lifeline import not_accepted
 from backends.canopen_cia402.network import PortNetwork
-from backends.canopen_cia402.objects import declared
 from backends.canopen_cia402.other_masters import NMT
 from backends.canopen_cia402.poll import Poll, every
 from backends.canopen_cia402.reaction import REACTION, Reactions
@@ -415,7 +414,7 @@ class CanopenBackend:
         self._poll.set(axis, OUTPUTS, PHYSICAL, value)
 
     def _set_reaction(self, axis: int, reaction: FaultReaction) -> None:
-        if declared(self._nodes[axis], REACTION):
+        if self.reports[axis].has_reaction:
             self._poll.set(axis, REACTION, 0, reaction, size=2)
         else:
             self._reactions.refused(axis)

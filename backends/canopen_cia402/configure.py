@@ -34,6 +34,7 @@ DRIVE_SPEED = 1.5
 """Of the velocity limit: what a drive lets its axis do in torque mode. Where pa10d is kept from
 its work the last torque goes on until the drive misses SYNC, and speed is what the arm gathers."""
 INT32, UINT32 = 2**31 - 1, 2**32 - 1
+FIRST_SUB = {0x1029: 1, 0x607D: 1, 0x60C2: 1}  # of what is a record
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,7 @@ class DriveReport:
     error: int  # 0x603F when we came
     position: int | None = None  # counts, in its brake
     shows_mode: bool = True  # by 0x6061
+    has_reaction: bool = True  # 0x605E
     heard: bool = True  # it tells that it lives, by heartbeats or when it is asked
     guarded: bool = False  # it is asked by remote frames, as it watches no heartbeat
     risks: dict[Risk, str] = field(default_factory=dict)  # what nobody may overlook; in lacks too
@@ -93,7 +95,7 @@ def configure(node: canopen.RemoteNode, wish: Wish) -> DriveReport:
         risks["brake_on_us"] = ON_US_ALONE
         brake_lacks = [ON_US_ALONE, *brake_lacks]
     lacks = [*lifeline.lacks, *brake_lacks, *hear_emergencies(remote)]
-    lacks += [lack(index) for index in WANTED if not declared(node, index)]
+    lacks += [lack(i) for i in WANTED if not remote.has(i, FIRST_SUB.get(i, 0))]
     lacks += untold(remote)
     lacks += _set_up(remote, wish, brake)
     command, feedback = map_pdos(remote)
@@ -111,6 +113,7 @@ def configure(node: canopen.RemoteNode, wish: Wish) -> DriveReport:
         error=remote.read(0x603F) or 0,
         position=remote.read(0x6064),
         shows_mode=shows_mode,
+        has_reaction=remote.has(REACTION),
         heard=lifeline.heard,
         guarded=lifeline.guarded,
         risks=risks,
@@ -166,8 +169,9 @@ def _set_up(remote: Remote, wish: Wish, brake: Brake) -> list[str]:
     lacks = _choose_quick_stop(remote, brake)
     for index, sub, value in _settings(remote, wish):
         lacks += _not_taken(index, remote.write(index, value, sub))
-    if (most := _most_torque(wish)) is not None:
-        lacks += let_through(remote, most)
+    most = _most_torque(wish)
+    if most is not None and (reasons := let_through(remote, most, wish.scaling.rated)):
+        raise SetupError(reasons)
     lacks += _left_to_the_user(remote)
     return lacks + _choose_torque_mode(remote)
 
@@ -261,7 +265,7 @@ def _left_to_the_user(remote: Remote) -> list[str]:
         f"{WANTED[index][0]} (0x{index:04X}) is left as it is, its unit is its maker's: "
         "set it by the drive's manual"
         for index, settable in known.items()
-        if not settable and declared(remote.node, index)
+        if not settable and remote.has(index)
     ]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from backends.canopen_cia402.objects import LIFELINE, declared, lack
+from backends.canopen_cia402.objects import LIFELINE, lack
 from backends.canopen_cia402.remote import Remote
 from backends.cia402 import Reaction
 from pa10d.common.words import listed
@@ -73,7 +73,7 @@ def not_accepted(drive: Drive, risks: dict[Risk, str]) -> list[str]:
 
 def _guard(remote: Remote, guard_ms: int) -> bool:
     """Node guarding instead; a node that sends heartbeats would not answer to it."""
-    if not all(declared(remote.node, index) for index in (GUARD_TIME, LIFE_TIME_FACTOR)):
+    if not all(remote.has(index) for index in (GUARD_TIME, LIFE_TIME_FACTOR)):
         return False
     beats_no_more = remote.ensure(0x1017, 0) is None
     asked = remote.write(GUARD_TIME, guard_ms) is None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from backends.canopen_cia402.layout import COMMAND, FEEDBACK, Layout, layout_of, mapping_word
+from backends.canopen_cia402.objects import declared
 from backends.canopen_cia402.remote import Remote, SetupError
 
 INVALID = 1 << 31
@@ -22,13 +23,17 @@ def map_pdos(remote: Remote) -> tuple[Layout, Layout]:
 
 
 def _silence_other_pdos(remote: Remote) -> None:
-    """Whoever set them up, none but ours writes to the drive or fills the bus."""
+    """Whoever set them up, none but ours writes to the drive or fills the bus. Behind those that
+    its EDS has more are asked for until there is none."""
     left = []
     for first, name in ((0x1400, "RPDO"), (0x1800, "TPDO")):
+        more = True
         for index in range(first + 1, first + MOST):
-            if index not in remote.node.object_dictionary:
+            told = declared(remote.node, index)
+            if not (told or more):
                 continue
             cob_id = remote.read(index, 1)
+            more = told or cob_id is not None
             if cob_id is None or cob_id & INVALID:
                 continue
             problem = remote.write(index, cob_id | INVALID, 1)

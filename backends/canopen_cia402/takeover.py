@@ -37,6 +37,7 @@ RATED_TORQUE_TOLERANCE = 0.02
 RATIO_TOLERANCE = 1e-4  # of a gear that both sides write as a ratio of small numbers
 POLARITY_BITS = {0x80: "position", 0x40: "velocity", 0x20: "torque"}
 ONE_SIDED = {0x60E0: "Positive torque limit value", 0x60E1: "Negative torque limit value"}
+TORQUE_LIMITS = {0x6072: "Max torque", **ONE_SIDED}
 OFF, NOT_USED = 1 << 31, 1 << 30  # bits of a COB-ID
 SYNC_ID, SYNC_BITS, PRODUCES = 0x80, 0x7FFFFFFF, 1 << 30  # bit 31 means nothing
 
@@ -84,19 +85,22 @@ def hear_emergencies(remote: Remote) -> list[str]:
     ]
 
 
-def let_through(remote: Remote, per_mille: int) -> list[str]:
-    """No older limit keeps the drive from the torque that it may give; else which one does."""
-    lacks = []
-    for index, name in ONE_SIDED.items():
+def let_through(remote: Remote, per_mille: int, rated: float) -> list[str]:
+    """No older limit keeps the drive from the torque that it may be asked for, ``per_mille`` of
+    the ``rated`` one, N·m at the joint; else reasons: a joint would sink that shall be held."""
+    reasons = []
+    for index in ONE_SIDED:
+        if remote.read(index) not in (None, per_mille):
+            remote.write(index, per_mille)
+    for index, name in TORQUE_LIMITS.items():
         found = remote.read(index)
-        if found is None or found == per_mille:
-            continue
-        if (problem := remote.ensure(index, per_mille)) is not None:
-            lacks.append(
-                f"{name} (0x{index:04X}): expected {per_mille}, {problem}: to that side the drive "
-                "gives another torque than asked for"
+        if found is not None and found < per_mille:
+            reasons.append(
+                f"{name} (0x{index:04X}): the drive keeps {found} ‰ of its rated torque, "
+                f"limits.torque asks for {per_mille}: expected at most {found * rated / 1000:.4g} "
+                "N·m in limits.torque, or a drive that gives more"
             )
-    return lacks
+    return reasons
 
 
 def contradictions(remote: Remote, drive: Drive, ends: tuple[int, int]) -> list[str]:
