@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from functools import partial
 
@@ -116,12 +116,14 @@ class Arm:
 
     # -- commands ---------------------------------------------------------------------------
 
-    def connect(self, stood: Array | None = None, measured: bool = False) -> None:
+    def connect(
+        self, stood: Array | None = None, measured: bool = False, doubted: Collection[int] = ()
+    ) -> None:
         """offline → inactive, with a first look at where the arm stands. stood: (n,) where it
         stood at rest, as somebody has kept it; measured: so were its joints, which shows that
-        torque acts the right way round."""
+        torque acts the right way round, but of the axes of which that was doubted since."""
         require("connect", self.state, ArmState.OFFLINE)
-        self.right_way.connected(measured)
+        self.right_way.connected(measured, doubted)
         self._trust()
         self.whereabouts.lost()
         self.whereabouts.recall(stood)

@@ -77,7 +77,9 @@ class Commands:
                 self._arm.enable(recover=command.recover)
             case Connect():
                 self._take_weights(command.bodies)
-                self._arm.connect(stood_at(command, self._arm.backend.n), command.measured)
+                n = self._arm.backend.n
+                doubted = [joint - 1 for joint in command.doubted if 1 <= joint <= n]
+                self._arm.connect(stood_at(command, n), command.measured, doubted)
             case Do():
                 said = getattr(self._arm, command.what)()
                 return {} if said is None else {"said": said}

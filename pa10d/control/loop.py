@@ -145,7 +145,10 @@ class Loop:
 
     def _tell_changes(self) -> None:
         arm = self._arm
-        doubted = tuple(one.axis for one in arm.whereabouts.misplaced)
+        doubted = (
+            tuple(one.axis for one in arm.whereabouts.misplaced),
+            arm.right_way.doubted,
+        )
         state = (arm.state, arm.fault, arm.path.controller, self._signals, doubted)
         if state != self._told:
             self._told = state
@@ -165,6 +168,7 @@ def describe(arm: Arm, signals: int = 0) -> ArmTold:
         model=None if model is None else model.name,
         warnings=tuple(_warnings(arm)),
         misplaced=tuple(arm.whereabouts.misplaced),
+        doubted=tuple(axis + 1 for axis in arm.right_way.doubted),
         sequence=arm.journal.count,
         signals=signals,
     )

@@ -66,11 +66,13 @@ class PowerUp:
 class Connect:
     """stood: where each joint stood at rest, as the daemon has kept it; bodies: (n, 10) standard
     parameters as they were felt, which tell what the arm weighs; None: not known; measured: its
-    joints were, by which it is known that their torque acts the right way round."""
+    joints were, by which it is known that their torque acts the right way round; doubted: but of
+    these, from 1, something has spoken against that since."""
 
     stood: tuple[float, ...] | None
     bodies: NDArray[np.float64] | None = None
     measured: bool = False
+    doubted: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,8 @@ def read_command(message: Mapping[str, Any]) -> Command:
         case "connect":
             stood = message.get("stood")
             kept = None if stood is None else tuple(map(float, stood))
-            return Connect(kept, _bodies(message), bool(message.get("measured")))
+            doubted = tuple(map(int, message.get("doubted", ())))
+            return Connect(kept, _bodies(message), bool(message.get("measured")), doubted)
         case "enable":
             return PowerUp(bool(message.get("recover")))
         case what if what in SWITCHES:

@@ -6,6 +6,8 @@ it wants, for it falls that way. It follows no servo both ways.
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,10 +27,17 @@ class RightWay:
         self._went = np.zeros((2, n), dtype=bool)  # … it turned; whether it went down, up with that
         self.begin(np.zeros(n))
 
-    def connected(self, measured: bool) -> None:
+    def connected(self, measured: bool, doubted: Collection[int] = ()) -> None:
         """The drives are there, measured: their joints were, some time. What has spoken against one
-        since counts more, until it has gone there and back."""
+        since counts more, until it has gone there and back; doubted: of the axes for which somebody
+        has kept that, whoever saw it."""
+        self._doubted[list(doubted)] = True
         self.known[:] = measured & ~self._doubted
+
+    @property
+    def doubted(self) -> tuple[int, ...]:
+        """The axes of which something has spoken against it, and nothing for it since."""
+        return tuple(map(int, np.flatnonzero(self._doubted)))
 
     def begin(self, q: Array) -> None:
         """A motion begins at q."""

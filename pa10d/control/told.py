@@ -14,7 +14,8 @@ from pa10d.control.whereabouts import Misplaced
 @dataclass(frozen=True)
 class ArmTold:
     """controller: the law in force; model: its name; warnings: the backend's; misplaced: joints
-    that read elsewhere than they stood; sequence: of the record at which it was so; signals: how
+    that read elsewhere than they stood; doubted: joints, from 1, whose torque may act the wrong
+    way round, by what was seen; sequence: of the record at which it was so; signals: how
     often this process was told to stop by one."""
 
     state: str = "offline"
@@ -23,6 +24,7 @@ class ArmTold:
     model: str | None = None
     warnings: tuple[str, ...] = ()
     misplaced: tuple[Misplaced, ...] = ()
+    doubted: tuple[int, ...] = ()
     sequence: int = 0
     signals: int = 0
 
@@ -32,6 +34,7 @@ class ArmTold:
         lists = {
             "warnings": list(self.warnings),
             "misplaced": [one.document() for one in self.misplaced],
+            "doubted": list(self.doubted),
         }
         return {"event": "state", **vars(self), "fault": fault, **lists}
 
@@ -46,6 +49,7 @@ class ArmTold:
             model=event.get("model"),
             warnings=tuple(map(str, event["warnings"])),
             misplaced=tuple(map(Misplaced.from_document, event.get("misplaced", ()))),
+            doubted=tuple(map(int, event.get("doubted", ()))),
             sequence=int(event.get("sequence", 0)),
             signals=int(event.get("signals", 0)),
         )

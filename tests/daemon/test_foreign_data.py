@@ -24,12 +24,14 @@ from pa10d.daemon.night import FILE as HIDDEN
 from pa10d.daemon.night import drawn_before
 from pa10d.daemon.presence import FILE, Presence, announced, present
 from pa10d.daemon.robot import fault_files
-from pa10d.daemon.robot.stood import NAME, StoodAt
+from pa10d.daemon.robot.stood import StoodAt
 from pa10d.investigation.doubts import write_doubts
 from pa10d.investigation.work import _keep_versions
 from pa10d.services.joints import _place, kept_joints
 from pa10d.services.robots import load_robot
 from pa10d.services.sheets import _write
+
+NAME = "stood.json"
 
 DEEP = "[" * 4000
 OLD = "20260101-000000000-abcdef"
@@ -130,7 +132,7 @@ def test_where_the_arm_stood_is_not_written_through_a_link(data, elsewhere):
     async def note():
         stood = StoodAt(profile, data)
         stood.note(np.zeros(7), np.zeros(7))
-        await stood._work
+        await stood._file.work
         stood.close()
 
     asyncio.run(note())

@@ -8,8 +8,10 @@ import json
 import numpy as np
 import pytest
 
-from pa10d.daemon.robot.stood import NAME, StoodAt
+from pa10d.daemon.robot.stood import StoodAt
 from pa10d.profile import load_profile
+
+NAME = "stood.json"
 
 SIMULATED = load_profile("pa10-sim")
 REAL = SIMULATED.model_copy(update={"simulation": None})

@@ -9,7 +9,9 @@ import pytest
 from backends.cia402 import FaultReaction
 from pa10d.control.faults import LoopFault
 from pa10d.control.gains import first_gains
+from pa10d.control.loop import describe
 from pa10d.control.right_way import FAR, RightWay
+from pa10d.control.told import ArmTold
 
 WRONG = 1  # 0-based
 COASTS, RAMPS = FaultReaction.DISABLE, FaultReaction.QUICK_STOP
@@ -157,3 +159,16 @@ def test_what_a_fault_doubted_no_old_measurement_makes_known():
         seen.see(np.full(2, q), np.full(2, q))
     seen.connected(measured=True)
     assert seen.known.all()
+
+
+def test_the_process_that_comes_next_is_told_of_the_doubt(world):
+    """An old measurement would have its drives ramp it on."""
+
+    def story():
+        yield from held(world, measured=True, doubted=[WRONG + 1])
+        yield world.passes(0.5)
+
+    world.run(story())
+    assert reactions(world) == [COASTS if k == WRONG else RAMPS for k in range(world.robot.n)]
+    assert describe(world.arm).doubted == (WRONG + 1,), "and tells it on"
+    assert ArmTold.from_document(describe(world.arm).document()).doubted == (WRONG + 1,)

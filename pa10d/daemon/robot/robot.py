@@ -37,6 +37,7 @@ from pa10d.daemon.processes.link import LinkClosed, Message
 from pa10d.daemon.robot.awaited import AwaitedRuns
 from pa10d.daemon.robot.axes import axes_of, remarks_of
 from pa10d.daemon.robot.chosen_law import ChosenLaw
+from pa10d.daemon.robot.doubted_signs import DoubtedSigns
 from pa10d.daemon.robot.fault_files import keep_fault
 from pa10d.daemon.robot.liveness import Liveness
 from pa10d.daemon.robot.recorder import LAST_WORDS, SHORT_FOR, START_TIME, KeptRecorder
@@ -109,6 +110,7 @@ class RobotProcess:
         self.stops = Stops()
         self.runs = AwaitedRuns()
         self.stood = StoodAt(profile, data)
+        self.doubted_signs = DoubtedSigns(profile, data)
         self.arm_is_new = False  # a virtual one was made, and stands where it begins
 
     # -- life -------------------------------------------------------------------------------
@@ -141,6 +143,7 @@ class RobotProcess:
         if self._alive is not None:
             self._alive.cancel()
         self.stood.close()
+        self.doubted_signs.close()
 
     # -- what is known ----------------------------------------------------------------------
 
@@ -378,6 +381,7 @@ class RobotProcess:
         try:
             self.profile, self.robot = await change()
             self.stood.becomes(self.profile)
+            self.doubted_signs.becomes(self.profile)
             self._hand_over(self.profile)
             if self.joints is not None:
                 self.keep_gains(self.joints.known.gains)
@@ -464,6 +468,7 @@ class RobotProcess:
                 stood=self.stood.known,
                 bodies=_listed(None if known is None else known.felt),
                 measured=known is not None,
+                doubted=list(self.doubted_signs.known),
             )
         except CommandRefused as refusal:
             why = str(refusal).removeprefix("connect: ")
@@ -550,6 +555,8 @@ class RobotProcess:
             self.stops.ask()
         fault = self._told.fault
         self._announce()  # before all that may fail
+        if self._told.state != "offline":  # before that it does not know what is known here
+            self.doubted_signs.note(self._told.doubted)
         if fault is not None and fault != before.fault:
             keep_fault(self._data, fault, self.ring, self.robot.joint_names)
 
