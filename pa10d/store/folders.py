@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import shutil
 import time
 from collections.abc import Iterator
@@ -19,6 +20,8 @@ from pa10d.store.entries import new_file, own_folder
 NEW, TRASH = ".new-", ".trash-"
 PATIENCE = 5.0  # s for which the lock is waited for; it is held for milliseconds as a rule
 _LOOK_AGAIN = 0.01  # s
+_DISCARDED = re.compile(rf"{re.escape(TRASH)}.+-[0-9]{{9,}}")  # as ``discard`` names them
+_BEGUN = re.compile(rf"{re.escape(NEW)}[0-9]{{8}}-[0-9]{{6}}")  # with an id of ours
 _SETTLE = 60.0  # s: younger unfinished folders may belong to a process that is about to lock
 
 
@@ -100,10 +103,14 @@ def discard(folder: Path) -> None:
 
 
 def sweep(parent: Path, held_file: str) -> None:
-    """Remove what a killed process left: trash, and new folders that nobody writes any more."""
+    """Remove what a killed process left: trash, and new folders that nobody writes any more. No
+    others whose names only begin so: ``parent`` may be a link to where somebody keeps more."""
     for folder in parent.glob(f"{TRASH}*"):
-        shutil.rmtree(folder, ignore_errors=True)
+        if _DISCARDED.fullmatch(folder.name):
+            shutil.rmtree(folder, ignore_errors=True)
     for folder in parent.glob(f"{NEW}*"):
+        if not _BEGUN.match(folder.name):
+            continue
         with contextlib.suppress(OSError):
             old = time.time() - folder.lstat().st_mtime > _SETTLE
             if old and not is_held(folder / held_file):

@@ -134,14 +134,19 @@ def test_a_crash_between_new_and_old_keeps_both(store):
 
 
 def test_what_a_killed_import_left_is_swept_once_it_is_old(store):
-    young, old, trash = (store.folder / n for n in (".new-a", ".new-b", ".trash-c"))
-    for folder in (young, old, trash):
+    """Nothing else that is called so: the folder may be a link to where somebody keeps more."""
+    names = (".new-20260101-120000000-aaaaaa", ".new-20260101-120000000-bbbbbb",
+             ".trash-20260101-120000000-cccccc-1767268800000000000")  # fmt: skip
+    young, old, trash = (store.folder / name for name in names)
+    others = [store.folder / name for name in (".new-ideas", ".trash-of-mine")]
+    for folder in (young, old, trash, *others):
         folder.mkdir()
         (folder / "run.mcap").write_bytes(b"half")
     past = time.time() - 3600
-    os.utime(old, (past, past))
+    for folder in (old, *others):
+        os.utime(folder, (past, past))
     RunStore(store.folder.parent)
-    assert young.exists()
+    assert all((folder / "run.mcap").exists() for folder in (young, *others))
     assert not old.exists()
     assert not trash.exists()
 
