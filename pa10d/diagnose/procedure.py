@@ -63,6 +63,7 @@ from pa10d.judgement import (
     of_own_runs,
     repeatable,
     with_known_floor,
+    with_one_floor,
 )
 from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
@@ -152,9 +153,11 @@ def diagnose(
     state = search.state
     say(0.85, "looking for structure that the library does not know")
     versions = versions_of(model, state, given, as_given)
-    seen = held_out(versions[-1], state)
-    known = of_own_runs([before, versions[-1]], model.cutoff)
-    left = with_known_floor(judged(versions[-1].name, seen), known)
+    views = [as_given, *(held_out(version, state) for version in versions)]
+    seen = views[-1]
+    known = of_own_runs([before, *versions], model.cutoff)
+    least = with_one_floor([judged(versions[-1].name, view) for view in views])
+    left = with_known_floor(least[-1], known)
     again = repeatable(seen)
     if only is None and not (apart or geometry.told):
         may_change = heard(suspects(True, model.robot.n), state.held)
@@ -177,7 +180,7 @@ def diagnose(
     )
     knocked = {j: found for j in open_ if (found := knocks(seen, j)) is not None}
     faster = lines_above_band(orders, left.cutoff, left.rms)
-    first = as_given if frozen else held_out(versions[0], state) if findings else seen
+    first = as_given if frozen else views[1]
     verdict = "missing" if findings else "unknown" if over.unexplained else "none"
     kept = versions[1:] if frozen else fitted_to_all(model, versions[1:], fit, held.runs)
     lines = remaining(
