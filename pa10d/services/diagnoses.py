@@ -15,7 +15,8 @@ from pa10d.diagnose.asked.smooth import add_map
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.outcome.words import in_json
-from pa10d.diagnose.procedure import diagnose, suspicion
+from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.search.suspects import suspicion
 from pa10d.effects import all_effects
 from pa10d.judgement import worse_elsewhere
 from pa10d.measurement.recording import Recording

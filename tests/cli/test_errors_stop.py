@@ -16,7 +16,7 @@ from pa10d.client import Client
 from pa10d.common.errors import UserError
 from pa10d.compare import compare
 from pa10d.diagnose.asked.adding import refuse_slips
-from pa10d.diagnose.procedure import lacking, suspicion
+from pa10d.diagnose.search.suspects import lacking, suspicion
 from pa10d.identify import identify
 from pa10d.model import Term
 from pa10d.services.robots import load_robot

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from two_links import V0, recordings, state_of, textbook
 
-from pa10d.diagnose.procedure import diagnose, suspicion
+from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.regression.partial import partials
 from pa10d.diagnose.search.candidates import Candidate
 from pa10d.diagnose.search.judging import Judging
 from pa10d.diagnose.search.looking import bent_rivals, evidence_of, look
 from pa10d.diagnose.search.pairs import pair_beside
+from pa10d.diagnose.search.suspects import suspicion
 from pa10d.effects import effect
 from pa10d.effects.base import smooth_sign
 

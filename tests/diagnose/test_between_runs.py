@@ -10,7 +10,7 @@ from two_links import RATE, motion, recordings, robot, state_of, textbook, textb
 
 from pa10d.diagnose.outcome.words import unexplained
 from pa10d.diagnose.procedure import diagnose
-from pa10d.diagnose.search.candidates import suspects
+from pa10d.diagnose.search.suspects import suspects
 from pa10d.diagnose.unknown.between_runs import contradiction, unlike_fitted
 from pa10d.dynamics import inverse_dynamics
 from pa10d.measurement.recording import Recording

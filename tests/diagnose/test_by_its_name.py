@@ -10,13 +10,14 @@ import pytest
 from two_links import V0, recordings, state_of, textbook
 
 from pa10d.diagnose.outcome.words import unexplained
-from pa10d.diagnose.procedure import diagnose, suspicion
+from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.search.bent_laws import bent_laws
 from pa10d.diagnose.search.candidates import scan, sharpened
 from pa10d.diagnose.search.judging import JudgedCandidate, Judging, _acts
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.ripple import order_peaks
 from pa10d.diagnose.search.steps import Search
+from pa10d.diagnose.search.suspects import suspicion
 from pa10d.diagnose.unknown.remaining import remaining
 from pa10d.effects import effect
 from pa10d.judgement import Judgement, NoiseFloor

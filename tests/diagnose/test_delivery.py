@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from two_links import V0, recordings, robot, textbook
 
-from pa10d.diagnose.procedure import add, diagnose
+from pa10d.diagnose.asked.one_effect import add
+from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.search.delivery import delivered, warnings
 from pa10d.dynamics import inverse_dynamics
 from pa10d.effects.base import smooth_sign

@@ -19,8 +19,9 @@ from two_links import (
     textbook_torque,
 )
 
+from pa10d.diagnose.outcome.found import _without
 from pa10d.diagnose.outcome.words import unexplained
-from pa10d.diagnose.procedure import _without, diagnose
+from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.search.harm import rms
 from pa10d.dynamics import inverse_dynamics
 from pa10d.effects.base import smooth_sign

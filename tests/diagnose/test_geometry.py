@@ -14,7 +14,7 @@ from pa10d.diagnose.outcome.words import unexplained
 from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.diagnose.search.candidates import suspects
+from pa10d.diagnose.search.suspects import suspects
 from pa10d.diagnose.unknown.geometry import other_geometry
 from pa10d.dynamics import Freedom, freedoms, inverse_dynamics
 from pa10d.effects import effect

@@ -9,8 +9,9 @@ import pytest
 from small_machines import machine
 from two_links import RATE, V0, motion, recordings, robot, state_of, textbook, textbook_torque
 
-from pa10d.diagnose.procedure import diagnose, suspicion
+from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.search.steps import Search
+from pa10d.diagnose.search.suspects import suspicion
 from pa10d.dynamics import inverse_dynamics
 from pa10d.effects import Context
 from pa10d.effects.base import smooth_sign

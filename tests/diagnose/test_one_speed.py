@@ -6,10 +6,10 @@ import numpy as np
 
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.diagnose.search.candidates import suspects
 from pa10d.diagnose.search.judging import Judging
 from pa10d.diagnose.search.looking import look
 from pa10d.diagnose.search.ripple import order_peaks
+from pa10d.diagnose.search.suspects import suspects
 from pa10d.dynamics import robot_from_urdf
 from pa10d.identify import identify
 from pa10d.measurement.recording import Recording

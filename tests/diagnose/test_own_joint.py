@@ -7,10 +7,10 @@ import pytest
 from two_links import V0, recordings, state_of
 
 from pa10d.diagnose.evidence.held_out import ModelUncertainty
-from pa10d.diagnose.procedure import suspicion
 from pa10d.diagnose.regression.partial import partials
 from pa10d.diagnose.search.candidates import Candidate
 from pa10d.diagnose.search.judging import Judging
+from pa10d.diagnose.search.suspects import suspicion
 from pa10d.effects import effect
 from pa10d.effects.base import smooth_sign
 

@@ -10,9 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from two_links import V0, recordings, robot, state_of, textbook
 
+from pa10d.diagnose.asked.one_effect import add
 from pa10d.diagnose.constants import MUCH_WORSE
 from pa10d.diagnose.evidence.held_out import judge
-from pa10d.diagnose.procedure import add, diagnose
+from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.regression.partial import PartialFit
 from pa10d.diagnose.search.candidates import Candidate, held_columns, scan
 from pa10d.diagnose.search.harm import harmful, less_likely, rms

@@ -13,9 +13,9 @@ from two_links import COULOMB, ROTOR, V0, VISCOUS, motion, robot, state_of
 
 from pa10d.diagnose.regression.flexible import Flexible, JointSpring, _thinned
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.diagnose.search.candidates import suspects
 from pa10d.diagnose.search.springs import _with_spring
 from pa10d.diagnose.search.steps import Search
+from pa10d.diagnose.search.suspects import suspects
 from pa10d.diagnose.search.with_numbers import needed_beside_springs
 from pa10d.dynamics import inverse_dynamics
 from pa10d.effects import effect

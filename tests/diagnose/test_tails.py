@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pa10d.diagnose.procedure import add, diagnose
+from pa10d.diagnose.asked.one_effect import add
+from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import robot_from_urdf
 from pa10d.identify.procedure import identify
 from pa10d.measurement.recording import Recording

@@ -13,8 +13,8 @@ from unwound import NOISE, recordings, spring_of
 
 from pa10d.diagnose.regression.flexible import Flexible, JointSpring
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.diagnose.search.candidates import suspects
 from pa10d.diagnose.search.steps import Search
+from pa10d.diagnose.search.suspects import suspects
 from pa10d.judgement import residual_of
 from pa10d.model import Term, TorqueModel
 

@@ -7,8 +7,8 @@ import pytest
 
 from pa10d.diagnose.outcome.diagnosis import Finding
 from pa10d.diagnose.outcome.doubts import _beside_more, _or_base
+from pa10d.diagnose.outcome.found import sized
 from pa10d.diagnose.outcome.words import none_found, nothing, sentence
-from pa10d.diagnose.procedure import sized
 from pa10d.diagnose.unknown.remaining import Remaining
 from pa10d.dynamics import robot_from_profile
 from pa10d.effects import Value

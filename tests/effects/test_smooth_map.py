@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pa10d.common.errors import UserError
-from pa10d.diagnose.search.candidates import suspects
+from pa10d.diagnose.search.suspects import suspects
 from pa10d.effects import all_effects, effect
 from pa10d.effects.smooth_map import DEGREE, SEGMENTS, SMOOTHING, smooth_map, splines
 from pa10d.effects.variables import at_joint, parsed, remembered, values_of

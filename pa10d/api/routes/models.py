@@ -24,7 +24,7 @@ from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.motions.improvement import ImprovementRequest, improvement_job
 from pa10d.diagnose.asked.adding import refuse_slips
-from pa10d.diagnose.procedure import suspicion
+from pa10d.diagnose.search.suspects import suspicion
 from pa10d.effects import Effect, all_effects, effect
 from pa10d.effects.smooth_map import SmoothMap
 from pa10d.export.endings import ENDINGS, FOLDERS, Format

@@ -6,8 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from pa10d.common.errors import UserError
+from pa10d.diagnose.asked.one_effect import add
 from pa10d.diagnose.asked.smooth import add_map, asked
-from pa10d.diagnose.procedure import add, diagnose, lacking, suspicion
+from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.search.suspects import lacking, suspicion
 from pa10d.effects import all_effects
 from pa10d.effects.smooth_map import SmoothMap
 from pa10d.measurement.recording import Recording

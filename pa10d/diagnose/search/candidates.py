@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +19,9 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.regression.partial import PartialFit, partials
 from pa10d.diagnose.regression.shapes import around, refine
-from pa10d.diagnose.regression.side import Side
-from pa10d.diagnose.regression.state import SearchState, Suspects
+from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.ripple import order_peaks, shaken_orders
-from pa10d.effects import Context, Effect, Shape, all_effects
+from pa10d.effects import Context, Effect, Shape
 from pa10d.model import Term
 from pa10d.regression.per_joint import PerJoint
 
@@ -52,32 +50,6 @@ class Candidate:
 
 Best = tuple[dict[str, float], PartialFit]
 """A shape and what it adds."""
-
-
-def suspects(frozen: bool, n: int) -> list[tuple[Effect, tuple[int, ...]]]:
-    """All pairs of effect and joints: what may be missing, or (frozen) what may have changed."""
-    out: list[tuple[Effect, tuple[int, ...]]] = []
-    for effect in all_effects().values():
-        changed = effect.question == "changed" or effect.also_changes
-        missing = effect.question == "missing" or effect.seen_by_shared_bodies
-        if not (changed if frozen else missing):
-            continue
-        out += [(effect, joints) for joints in places(effect, n)]
-    return out
-
-
-def heard(suspects: Suspects, held: Side) -> Suspects:
-    """Without those of joints of which no sample counts."""
-    return [(kind, joints) for kind, joints in suspects if not {*joints} & held.silent.keys()]
-
-
-def places(effect: Effect, n: int) -> Iterable[tuple[int, ...]]:
-    """The joints an effect may sit on."""
-    if effect.scope == "robot":
-        return [()]
-    if effect.scope == "pair":
-        return list(combinations(range(n), 2))
-    return [(j,) for j in range(n)]
 
 
 def scan(

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import BROKEN_SHARE, FIRM, MATERIAL_GAIN, MATERIAL_REST, USUAL
 from pa10d.diagnose.regression.state import SearchState, Suspects
-from pa10d.diagnose.search.candidates import heard, suspects
 from pa10d.diagnose.search.harm import less_likely, rms
 from pa10d.diagnose.search.judging import Place, spoken_of
 from pa10d.diagnose.search.steps import Search
+from pa10d.diagnose.search.suspects import heard, suspects
 from pa10d.diagnose.search.with_numbers import only_with_numbers
 from pa10d.diagnose.unknown.as_it_stood import (
     Alone,

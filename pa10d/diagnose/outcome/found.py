@@ -1,0 +1,128 @@
+"""What a search found, as a finding: its numbers, its rivals, what would settle them, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from pa10d.diagnose.constants import SIZED_LEVEL
+from pa10d.diagnose.outcome.diagnosis import Confusion, Finding
+from pa10d.diagnose.outcome.next_experiment import settle_doubt
+from pa10d.diagnose.outcome.words import reason, sentence
+from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.candidates import Candidate
+from pa10d.diagnose.search.harm import rms
+from pa10d.diagnose.search.judging import JudgedCandidate
+from pa10d.diagnose.search.simpler import simpler_inside
+from pa10d.diagnose.search.steps import Search
+from pa10d.effects import Value
+from pa10d.model import Term, TorqueModel
+from pa10d.model.estimates import no_estimates, not_one
+
+Array = NDArray[np.float64]
+NOT_ONE = (
+    " Not one of its numbers is determined: that something acts like it is all that this data says."
+)
+NOT_BEYOND = "it lies inside, and what this effect has beyond it is zero by its own errors"
+
+
+def finding(search: Search, given: int, index: int, versions: Sequence[TorqueModel]) -> Finding:
+    """Of the term ``index``, of which the first ``given`` stood in the model before."""
+    state = search.state
+    term = state.terms[index]
+    judged = search.judge_term(index)
+    before = versions[index - given].held_out["held out"]
+    if state.as_given is not None and index == given:
+        before = state.as_given  # not as it was moved to do without
+    after = versions[index - given + 1].held_out["held out"]
+    size = _size(state, index, judged)
+    rivals = [r.candidate for r in search.rivals_of(index)]
+    confusions = tuple(_confusion(term, r) for r in rivals)
+    places_named = {(r.effect.id, r.joints) for r in rivals}
+    simpler = [
+        r
+        for r in simpler_inside(search, index, versions[-1])
+        if (r.effect.id, r.joints) not in places_named
+    ]
+    confusions += tuple(Confusion(r.effect.id, r.joints, NOT_BEYOND) for r in simpler)
+    rivals += simpler
+    named = {j for t in state.terms if t.effect_id == term.effect_id for j in t.joints}
+    others = [j for j in range(state.model.robot.n) if j not in named]
+    parameters = versions[-1].term_values(index)
+    none = no_estimates(term, parameters)
+    plan = None
+    if rivals:
+        own = Candidate(term.effect, term.joints, term.shape, judged.candidate.partial)
+        plan = settle_doubt(state.model, own, rivals)
+    return Finding(
+        term=versions[-1].terms[index],
+        parameters=parameters,
+        rms_before=before,
+        rms_after=after,
+        p_value=judged.p_corrected,
+        slope=judged.evidence.slope,
+        size=size,
+        confounded_with=confusions,
+        next_experiment=plan,
+        sentence=sentence(
+            term,
+            before,
+            after,
+            size,
+            confusions,
+            state.frozen,
+            others,
+            sized(versions[-1], index) and _size_told(term, parameters),
+            (_without(state, index, judged.evidence.before), judged.evidence.after),
+        )
+        + (none and f" But {none}.")
+        + (NOT_ONE if not_one(term, parameters) else ""),
+        certain=judged.certain,
+    )
+
+
+def _without(state: SearchState, index: int, before: Array) -> Array:
+    """(n,) N·m RMS that all other findings leave held out; before: the same with nothing in its
+    place. Dry friction that bristles carry turns round at once without them."""
+    if not state.terms[index].effect.builds_up_over:
+        return before
+    rest = state.copy()
+    rest.drop(index)
+    rest.refit()
+    return rms(rest.held_residual())
+
+
+def sized(model: TorqueModel, index: int) -> bool:
+    """Are a term's coefficients together other than zero by their own errors (Wald)?"""
+    where = model.term_slice(index)
+    values, covariance = model.terms[index].coefficients, model.covariance[where, where]
+    scale = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    apart = values / scale
+    turned = np.linalg.pinv(covariance / np.outer(scale, scale), hermitian=True)
+    return bool(apart @ turned @ apart > scipy.special.chdtri(len(values), SIZED_LEVEL))
+
+
+def _size_told(term: Term, parameters: Mapping[str, Value]) -> bool:
+    """Is one of its sizes an estimate, or all that there is to say in its shape?"""
+    told = [parameters[c.name] for c in term.effect.coefficients if c.name in parameters]
+    return not told or any(value.determined or value.beyond for value in told)
+
+
+def _size(state: SearchState, index: int, judged: JudgedCandidate) -> Value:
+    """RMS of the torque where it acts most; its error follows from the held-out slope."""
+    columns = state.blocks[index][1]
+    torque = {j: c @ state.terms[index].coefficients for j, c in columns.items()}
+    acted = {j: float(np.sqrt(np.mean(v**2))) for j, v in torque.items()}
+    where = max(acted, key=lambda j: acted[j])
+    largest = acted[where]
+    z = max(abs(judged.evidence.z), 1e-9)
+    return Value(
+        largest, largest * abs(judged.evidence.slope) / z, state.model.robot.torque_unit(where)
+    )
+
+
+def _confusion(term: Term, other: Candidate) -> Confusion:
+    return Confusion(other.effect.id, other.joints, reason(term.effect, other.effect))
