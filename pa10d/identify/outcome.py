@@ -8,14 +8,10 @@ from dataclasses import replace
 from pa10d.identify.cutoff import Cutoff
 from pa10d.identify.feasibility import FeasibleModel
 from pa10d.identify.fit import Fit
-from pa10d.identify.smoothing import Smoothing
-from pa10d.identify.timing import Shift
-from pa10d.identify.told import Errors
+from pa10d.identify.seen import Seen
 from pa10d.measurement.recording import Recording
-from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model import ModelNotes, TorqueModel
 from pa10d.model.notes import CutoffNote, FeasibleNote
-from pa10d.regression.layout import Layout
 
 
 def cutoff_note(cutoff: float, why: Cutoff | None) -> CutoffNote:
@@ -39,24 +35,20 @@ def feasible_note(names: Sequence[str], feasible: FeasibleModel) -> FeasibleNote
 
 def model_of(
     name: str,
-    layout: Layout,
+    seen: Seen,
     fit: Fit,
-    smoothing: Smoothing,
     feasible: FeasibleModel,
     cutoff: float,
-    shift: Shift,
-    channel: TorqueFilter | None,
     recordings: Sequence[Recording],
     notes: ModelNotes,
-    told: Errors,
 ) -> TorqueModel:
-    """The model of a finished fit; told: standard errors of asked-for effects' shapes."""
-    beta = fit.solution.beta
+    """The model of a finished fit."""
+    beta, layout = fit.solution.beta, seen.layout
     terms = []
     for index, term in enumerate(layout.fitted(beta)):
         speed = term.effect.smoothed_over
-        errors = {speed: float(smoothing.errors[term.joints[0]])} if speed else {}
-        terms.append(replace(term, shape_errors={**errors, **told.get(index, {})}))
+        errors = {speed: float(seen.smoothing.errors[term.joints[0]])} if speed else {}
+        terms.append(replace(term, shape_errors={**errors, **seen.told.get(index, {})}))
     return TorqueModel(
         name=name,
         robot=layout.robot,
@@ -66,8 +58,8 @@ def model_of(
         covariance=fit.uncertainty.covariance,
         noise=fit.rms,
         cutoff=cutoff,
-        shift=shift.seconds,
-        channel=channel,
+        shift=seen.shift.seconds,
+        channel=seen.channel,
         standard=feasible.standard if feasible.found else None,
         feasible=feasible.found,
         runs=tuple(r.name for r in recordings),
