@@ -8,7 +8,7 @@ from dataclasses import replace
 from pa10d.identify.cutoff import Cutoff
 from pa10d.identify.feasibility import FeasibleModel
 from pa10d.identify.fit import Fit
-from pa10d.identify.seen import Seen
+from pa10d.identify.seen import SeenRuns
 from pa10d.measurement.recording import Recording
 from pa10d.model import ModelNotes, TorqueModel
 from pa10d.model.notes import CutoffNote, FeasibleNote
@@ -35,7 +35,7 @@ def feasible_note(names: Sequence[str], feasible: FeasibleModel) -> FeasibleNote
 
 def model_of(
     name: str,
-    seen: Seen,
+    seen: SeenRuns,
     fit: Fit,
     feasible: FeasibleModel,
     cutoff: float,

@@ -19,7 +19,7 @@ from pa10d.regression.layout import Layout
 
 
 @dataclass(frozen=True)
-class Seen:
+class SeenRuns:
     """layout: in the shapes that the runs show; smoothing: of the friction sign; shift: of torque
     against position; apart: in words, runs that are late by different times; channel: what the
     torque has passed; told: standard errors of shapes of the effects that were asked for."""
@@ -34,7 +34,7 @@ class Seen:
 
 def seen_in(
     pieces: Pieces, layout: Layout, with_effects: bool, say: Callable[[float, str], None]
-) -> Seen:
+) -> SeenRuns:
     """What the pieces show before anything is fitted; they are moved in time and taken through the
     channel as that says. with_effects: effects were asked for beside the textbook's terms."""
     look_through_textbook(pieces, layout)
@@ -63,4 +63,4 @@ def seen_in(
             layout, told = refined(layout, pieces)
         smoothing, layout = sharpened(pieces, layout)
     layout = look_through_all(pieces, layout)
-    return Seen(layout, smoothing, shift, apart, channel, told)
+    return SeenRuns(layout, smoothing, shift, apart, channel, told)

@@ -10,7 +10,7 @@ from pa10d.identify.feasibility import FeasibleModel, find_feasible
 from pa10d.identify.fit import Fit, beside_bodies, trust, weighted_fit, wide_bodies
 from pa10d.identify.prior import Prior
 from pa10d.identify.robust import robust_fit
-from pa10d.identify.seen import Seen
+from pa10d.identify.seen import SeenRuns
 from pa10d.regression.problem import LinearProblem
 
 
@@ -27,7 +27,7 @@ class Solved:
 
 def solved(
     pieces: Pieces,
-    seen: Seen,
+    seen: SeenRuns,
     known: Prior | None,
     robust: bool,
     say: Callable[[float, str], None],

@@ -21,8 +21,8 @@ from pa10d.control.messages import FollowRows
 from pa10d.control.pid import Pid
 from pa10d.dynamics import robot_from_profile
 from pa10d.profile import load_profile
-from pa10d.services.experiments import prepare_motion
 from pa10d.services.joints import learnt
+from pa10d.services.prepared_motion import prepare_motion
 from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.poses import Surroundings
 

@@ -13,7 +13,7 @@ from store_data import channels, samples
 from pa10d.common.errors import UserError
 from pa10d.control.record import RecordLayout
 from pa10d.recorder.session import Session
-from pa10d.services.experiments import room_check
+from pa10d.services.prepared_motion import room_check
 from pa10d.store import RunStore, room, run_writer
 from pa10d.store.run_info import BAG
 

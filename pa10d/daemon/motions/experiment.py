@@ -91,7 +91,7 @@ async def prepare(
 ) -> Prepared:
     """The planned motion from where the arm stands, with its pre-check; nothing moves."""
     told = await daemon.workers.run(
-        "pa10d.services.experiments:prepare_motion", lambda *_: None, data=str(daemon.data),
+        "pa10d.services.prepared_motion:prepare_motion", lambda *_: None, data=str(daemon.data),
         start=daemon.robot.pose().tolist(), **vars(carried), **where,
         weight=None if weight is None else weight.text,
     )  # fmt: skip
