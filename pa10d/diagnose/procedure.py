@@ -52,8 +52,7 @@ def diagnose(
     say(0.0, "filtering, fitting the given model")
     begun = begin(model, fit, validate, frozen)
     search = searched(begun, only, steps, lambda share, what: say(0.1 + 0.7 * share, what))
-    whole = only is None and not frozen
-    no_effect = no_effects(search, begun) if whole else not_asked(search)
+    no_effect = no_effects(search, begun) if only is None else not_asked(search)
     say(0.85, "looking for structure that the library does not know")
     end = finished(begun, search.state)
     if only is None and not no_effect.told:

@@ -10,6 +10,8 @@ from two_links import RATE, motion, recordings, robot, state_of, textbook, textb
 
 from pa10d.diagnose.outcome.words import unexplained
 from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.regression.sides import two_sides
+from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.suspects import suspects
 from pa10d.diagnose.unknown.between_runs import contradiction, unlike_fitted
 from pa10d.dynamics import inverse_dynamics
@@ -19,6 +21,7 @@ from pa10d.report.unexplained_section import unexplained_section
 from pa10d.report.verdict import headline
 
 MOMENT = 6.0  # s into a run
+HELD_OUT = 7.4  # s into a run, of which blocks of five seconds judge by turns
 
 
 def told_of(runs):
@@ -84,6 +87,29 @@ def test_what_an_arm_picks_up_on_its_way_is_told_with_the_moment(before, where):
         assert one.at == pytest.approx(MOMENT, abs=0.3)
         assert one.share > 0.95
         assert f"a payload came or went {one.at:.1f} s into {where[0]}" in one.words
+
+
+@pytest.mark.by_default("True")
+@pytest.mark.parametrize("frozen", [True, False])
+def test_the_moment_is_told_where_it_lies_in_a_block_that_judges(frozen):
+    """A frozen model was told of a payload that is everywhere, of two thirds of the mass; and of a
+    run cut into blocks the moment was the end of the last one that was fitted."""
+    day = recordings(5, lambda t, *moved: more_mass(t, *moved) * (t > HELD_OUT)[:, None])["fit_b"]
+    model = textbook(recordings(5))
+    train, held, _ = two_sides(model, [day], [])
+    state = SearchState.start(model, train, held, frozen)
+    told = contradiction(state, suspects(True, 2), np.zeros(2)).told
+    assert tuple(one.joint for one in told) == (0, 1)
+    for one in told:
+        assert one.effects == ("a payload",)
+        assert one.at == pytest.approx(HELD_OUT, abs=0.15)
+
+
+def test_what_a_frozen_models_arm_had_all_day_did_not_come_on_its_way():
+    model = textbook(recordings(5))
+    train, held, _ = two_sides(model, [recordings(5, more_mass)["fit_b"]], [])
+    state = SearchState.start(model, train, held, frozen=True)
+    assert contradiction(state, suspects(True, 2), np.zeros(2)).told == ()
 
 
 @pytest.mark.long

@@ -32,10 +32,12 @@ def not_asked(search: Search) -> NoEffects:
 
 
 def no_effects(search: Search, begun: Begun) -> NoEffects:
-    """After a search; its state is without what only stood in for what is found here."""
+    """After a search; its state is without what only stood in for what is found here. Lengths and
+    axes are asked of a model that is fitted anew: no arm changes those."""
     apart = _between_runs(search, begun)
-    geometry = Geometry((), search.state) if apart else _geometry(search, begun)
-    return NoEffects(apart, geometry)
+    if apart or search.state.frozen:
+        return NoEffects(apart, Geometry((), search.state))
+    return NoEffects((), _geometry(search, begun))
 
 
 def _between_runs(search: Search, begun: Begun) -> tuple[Apart, ...]:

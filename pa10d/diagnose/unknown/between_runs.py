@@ -159,15 +159,7 @@ def unlike_fitted(
     worse = _left_of_held(state) > MATERIAL_REST * np.maximum(state.fit.rms(), np.nan_to_num(floor))
     if state.frozen or fitted & {*held} or not worse.any():
         return ()
-    side = Side.of([*state.train.runs, *state.held.runs])
-    whole = SearchState.start(state.model, side, state.held)
-    for index, term in enumerate(state.terms):
-        if index < given:
-            whole.replace_term(index, term)
-        else:
-            whole.push(term)
-    whole.refit()
-    told = contradiction(whole, suspects, floor, [held]).told
+    told = contradiction(_fitted_to_all(state, given), suspects, floor, [held]).told
     # more than all that the fitted runs leave by themselves, slow noise of theirs among it
     least = np.where(worse, MATERIAL_REST * state.fit.rms(), np.inf)
     return tuple(replace(one, held_out=True) for one in told if one.rms > least[one.joint])
@@ -193,20 +185,23 @@ def contradiction(
     groups = [_Part(runs) for runs in (_parts(names) if parts is None else parts)]
     moments = list(_moments(state.train, names)) if parts is None else []
     picked_up = [one for one in suspects if one[0].picked_up]
+    # a model that is fitted anew has taken up what was there all along; one that stays has not
+    throughout = [_Part(())] if moments and state.frozen else []
     while len(taken) < state.train.n:
-        tried = list(_tried(state, picked_up, fit, moments))
+        tried = list(_tried(state, picked_up, fit, [*moments, *throughout]))
         if groups and np.any(fit.rms() > least):
             tried += _tried(state, suspects, fit, [*groups, _Part(())])
         best = _plainest([one for one in tried if one.runs])
         if best is None:
             break
-        best = _closely(state, fit, best)
+        best, lasts = _to_the_moment(state, fit, best, [one for one, _ in taken])
         always = _all_along(tried, best)
         if always is not None and parts is None:
             break
-        best = always or best
+        if always is not None:
+            best, lasts = always, lasting(state.train, fit, always)
         p_value = _chance(state.train, fit, best) * len(tried)
-        if p_value > CONTRADICTED_LEVEL or not lasting(state.train, fit, best):
+        if p_value > CONTRADICTED_LEVEL or not lasts:
             break
         if best.part.at is not None and _told_by_place(state, fit, best, best.part.at):
             moments = []
@@ -219,6 +214,19 @@ def contradiction(
         concerned[:] = True
     told = _told(taken, names, concerned, state.fit, fit) if taken else ()
     return Contradiction(tuple(told), fit.rms())
+
+
+def _fitted_to_all(state: SearchState, given: int) -> SearchState:
+    """The same with all its findings, fitted to what is held out as well."""
+    side = Side.of([*state.train.runs, *state.held.runs])
+    whole = SearchState.start(state.model, side, state.held, state.frozen)
+    for index, term in enumerate(state.terms):
+        if index < given:
+            whole.replace_term(index, term)
+        else:
+            whole.push(term)
+    whole.refit()
+    return whole
 
 
 def _left_of_held(state: SearchState) -> Array:
@@ -317,14 +325,47 @@ def _longest(side: Side, name: str) -> float:
     return max(float(context.t[-1] - context.t[0]) for run, context in lasts if run.name == name)
 
 
+def _to_the_moment(
+    state: SearchState, fit: LeastSquares, best: _Own, taken: Sequence[_Own]
+) -> tuple[_Own, bool]:
+    """``_closely``, and does it last? A run of which blocks of time are held out is asked as a
+    whole: the moment may lie in one of those, where the fit side knows of none better than of
+    another, and half a run has few stretches in which something lasts."""
+    part = best.part
+    if isinstance(part, _Place) or part.at is None:
+        return best, lasting(state.train, fit, best)
+    if not {run.name for run in state.held.runs} & {*part.runs}:
+        best = _closely(state, fit, best)
+        return best, lasting(state.train, fit, best)
+    whole = _fitted_to_all(state, len(state.model.terms))
+    of_all = whole.fit
+    for one in taken:
+        again = _anew(whole, of_all, one)
+        of_all = of_all if again is None else beside(of_all, again)
+    last = min(_longest(state.train, name) for name in part.runs) - STEP_MARGIN
+    parts = [replace(part, at=at) for at in _between(last)]
+    tried = list(_tried(whole, [(best.effect, best.joints)], of_all, parts))
+    if not tried:
+        return best, False
+    found = _closely(whole, of_all, max(tried, key=lambda one: one.gain))
+    return _anew(state, fit, found) or best, lasting(whole.train, of_all, found)
+
+
+def _anew(state: SearchState, fit: LeastSquares, one: _Own) -> _Own | None:
+    """The same of another fit."""
+    return next(_tried(state, [(one.effect, one.joints)], fit, [one.part]), None)
+
+
 def _closely(state: SearchState, fit: LeastSquares, best: _Own) -> _Own:
     """The same with the moment that suits best, sought ever more closely about it."""
     part = best.part
     if isinstance(part, _Place) or part.at is None:
         return best
-    apart = _longest(state.train, part.runs[0]) / (PICKED_MOMENTS - 1)
+    longest = _longest(state.train, part.runs[0])
+    last, apart = max(longest - STEP_MARGIN, STEP_MARGIN), longest / (PICKED_MOMENTS - 1)
     while apart > STEP_CLOSELY:
         near = (best.part.at or part.at) + apart * np.linspace(-1.0, 1.0, 9)
+        near = np.clip(near, STEP_MARGIN, last)
         parts = [replace(part, at=float(at)) for at in near]
         found = _tried(state, [(best.effect, best.joints)], fit, parts)
         best, apart = max([best, *found], key=lambda one: one.gain), apart / 4.0
