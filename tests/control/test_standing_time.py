@@ -29,7 +29,7 @@ def standing():
         path=SimpleNamespace(controller=SimpleNamespace(name="pid")),
         backend=SimpleNamespace(period=PERIOD, realtime=False, warnings=()),
         journal=SimpleNamespace(timing=lambda *_: None, count=0),
-        whereabouts=SimpleNamespace(misplaced=[]),
+        whereabouts=SimpleNamespace(misplaced=[]), right_way=SimpleNamespace(doubted=()),
         disable=lambda: None, disconnect=lambda: None, emergency=lambda *_: None,
     )  # fmt: skip
 
