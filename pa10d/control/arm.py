@@ -339,6 +339,8 @@ class Arm:
         except Exception as error:
             self._on_fault(error)
             self._go_on_blindly()
+        if self.state == ArmState.INACTIVE:  # nobody wants it anywhere else
+            self.path.reference.rest(self.path.q.copy())
         self.journal.publish(self.path, self.state, self.motion, faulty=self.fault is not None)
 
     def _act(self) -> None:

@@ -33,6 +33,16 @@ def test_inactive_only_reads():
     assert backend.written == []
 
 
+def test_an_arm_that_is_not_powered_shall_be_where_it_is():
+    """Clients saw a target of 0 and a tracking error of as much as the arm was turned."""
+    arm, backend = flywheel_arm()
+    backend.plant.q[:] = 0.3
+    arm.connect()
+    cycles(arm, 10)
+    assert (tail(arm, "q_ref", 10) == tail(arm, "q", 10)).all()
+    assert tail(arm, "q_ref")[-1] == pytest.approx(0.3)
+
+
 def test_motion_is_followed_and_ends_held():
     arm, _ = holding_arm()
     arm.run(swing(arm.path.reference.q))

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from pa10d.control.estimator import SpeedEstimator
 from pa10d.control.gains import PidGains
 from pa10d.control.pid import Pid
 
@@ -94,3 +95,17 @@ def test_a_slow_sway_is_pushed_less_each_time_it_crosses_its_place():
     for _ in range(round(1.0 / PERIOD)):
         servo.torque(at, np.array([0.02]), np.zeros(1))
     assert abs(servo._pushed[0]) > 0.03 * LIMIT[0], "one that sticks there is pushed"
+
+
+def test_steps_of_a_coarse_encoder_are_no_motion():
+    """Each of a joint that creeps by a milliradian a second looked like 0.008 rad/s, and it was
+    never pushed: "did not move", for it was pressed on by two thirds of its friction."""
+    gains = PidGains(*(np.array([k]) for k in (40.0, 0.0, 2.0)), push=0.12 * LIMIT)
+    servo, period, step = Pid(gains, LIMIT, 0.005), 0.005, 2.0 * np.pi / 2**17
+    speed = SpeedEstimator(1, period)
+    at = SimpleNamespace(q=np.array([0.04]), dq=np.zeros(1), extra=np.zeros(1))
+    for k in range(200):
+        q = np.array([np.floor(1e-3 * k * period / step) * step])
+        speed.update(q, np.zeros(1, dtype=np.int64), k * period)
+        servo.torque(at, q, speed.dq)
+    assert servo._pushed[0] > 0.03 * LIMIT[0]

@@ -165,7 +165,7 @@ def test_an_investigation_that_is_planned_is_the_next_step(archive, visit):
     until_known(visitor.page)
     planned = {"id": "x", "name": "investigation", "status": "waiting", "created": "2026-01-01"}
     said = visitor.page.evaluate(TELL, [{"investigations": [planned]}])
-    assert "investigation is planned; nothing has moved for it yet" in said
+    assert "The investigation ‘investigation’ is planned; nothing has moved for it yet" in said
 
 
 KNOWN = """async (known) => {

@@ -60,13 +60,13 @@ const parentOf = (model) => state.models.find((one) => one.id === model.parent);
 function lastInvestigation(newest) {
   const [last] = state.investigations;
   if (!last) return null;
-  const step = { go: "investigate", at: last.id };
-  if (last.status === "waiting") return { ...step, text: `${last.name} is planned; nothing has moved for it yet. Look at what will be done, then start it.`, label: "Start" };
-  if (last.status === "running") return { ...step, text: `${last.name} is under way.`, label: "Watch" };
-  if (["paused", "stopped", "failed"].includes(last.status)) return { ...step, text: `${last.name} is ${last.status}; what is done stays done. Go on with it.`, label: "Go on" };
+  const step = { go: "investigate", at: last.id }, said = `The investigation ‘${last.name}’`;
+  if (last.status === "waiting") return { ...step, text: `${said} is planned; nothing has moved for it yet. Look at what will be done, then start it.`, label: "Start" };
+  if (last.status === "running") return { ...step, text: `${said} is under way.`, label: "Watch" };
+  if (["paused", "stopped", "failed"].includes(last.status)) return { ...step, text: `${said} is ${last.status}; what is done stays done. Go on with it.`, label: "Go on" };
   const own = newest?.name.startsWith(`${last.name}-m`);
   return last.status === "done" && (own || newest?.created <= last.created)
-    ? { ...step, text: `${last.name} is done. Read its report${own ? `; its last model is ${newest.name}` : ""}.`, label: "Read" } : null;
+    ? { ...step, text: `${said} is done. Read its report${own ? `; its last model is ${newest.name}` : ""}.`, label: "Read" } : null;
 }
 
 function nextStep() {

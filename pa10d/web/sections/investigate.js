@@ -171,7 +171,7 @@ async function begin(found) {
   }
   const job = await post(`investigations/${found.id}/start`);
   finished(job).then(
-    (whole) => { if (whole.result.status === "done") notice(`${found.name} is done.`, { action: { href: `#/investigate/${found.id}`, label: "Look" } }); soon(); },
+    (whole) => { if (whole.result.status === "done") notice(`The investigation ‘${found.name}’ is done.`, { action: { href: `#/investigate/${found.id}`, label: "Look" } }); soon(); },
     (error) => { if (!error.wished) notice(`${found.name} did not come to its end.`, { kind: "error", detail: error.message }); soon(); });
   await refresh();
 }
