@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import ClassVar, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from pa10d.common.errors import UserError
@@ -105,15 +106,17 @@ class FirstMotion(Kind):
 
     def _elsewhere(self, around: Surroundings, joints: list[int], home: Array) -> list[Segment]:
         """Empty where one pose is all there is."""
-        light = replace(around, gravity_share=1.0 / TORQUE_SHARE)
-        heavy = home if self.pose is not None else heavy_pose(light, self.seed)
-        here, there = (_own_inertia(around, pose) for pose in (home, heavy))
-        ratio = np.maximum(there / here, here / there)
+        if self.pose is not None:
+            return []
+        drawn = drawn_poses(replace(around, gravity_share=1.0 / TORQUE_SHARE), self.seed)
+        here = _own_inertia(around, home)
+        ratio = np.array([_own_inertia(around, pose) for pose in drawn]) / here
+        varies = np.maximum(ratio, 1.0 / ratio) > VARIES
         return [
             part
-            for j in joints
-            if ratio[j] > VARIES
-            for part in _shaken(around, heavy, j, self.speed)
+            for pose, measured in zip(drawn, shared_out(varies[:, joints]), strict=True)
+            for j in measured
+            for part in _shaken(around, pose, joints[j], self.speed)
         ]
 
 
@@ -127,8 +130,8 @@ def _weighed_by_itself(around: Surroundings, home: Array) -> Surroundings:
     return replace(around, gravity_share=max(all_of_it, NEAR_BY * here) if tried else all_of_it)
 
 
-def heavy_pose(around: Surroundings, seed: int) -> Array:
-    """(n,) the pose in which most joints carry much, of some that are drawn."""
+def drawn_poses(around: Surroundings, seed: int) -> list[Array]:
+    """(n,) each, some that are drawn; the one in which most joints carry much goes first."""
     rng = np.random.default_rng(seed)
     poses = [around.limits.rest_pose()]
     for _ in range(POSES):
@@ -137,7 +140,21 @@ def heavy_pose(around: Surroundings, seed: int) -> Array:
         except UserError:
             break
     inertia = np.diagonal(mass_matrices(around.robot, np.array(poses)), axis1=1, axis2=2)
-    return poses[int(np.argmax(np.log(np.maximum(inertia, 1e-9)).sum(axis=1)))]
+    heavy = int(np.argmax(np.log(np.maximum(inertia, 1e-9)).sum(axis=1)))
+    return [poses[heavy], *poses[:heavy], *poses[heavy + 1 :]]
+
+
+def shared_out(varies: NDArray[np.bool_]) -> list[list[int]]:
+    """For each of P poses the joints that are measured there; varies: (P, n), where each shows
+    another inertia. All that show it in the first pose; the others in as few more as will do: what
+    shows it nowhere is a rotor with a link that never counts, as far as these poses tell."""
+    left, shared = varies.any(axis=0), [[] for _ in varies]
+    at = 0
+    while left.any():
+        shared[at] = [int(j) for j in np.flatnonzero(varies[at] & left)]
+        left &= ~varies[at]
+        at = int(np.argmax((varies & left).sum(axis=1)))
+    return shared
 
 
 def shaken_joint(label: str) -> int | None:

@@ -107,7 +107,8 @@ function applied(found) {
 
 async function recorded(found, weight) {
   const what = weight ? `the weight: ${found.weights[weight - 1].says}` : "no weight";
-  const sure = state.robot?.simulated ? "The virtual arm hangs it by itself." : "See that it is so, and that it is fastened.";
+  const sure = state.robot?.simulated ? `The virtual arm ${weight ? "hangs it" : "takes off what hangs there"} by itself.`
+    : weight ? "See that it is so, and that it is fastened." : "See that nothing hangs there.";
   if (!await ask("Record now?", `The arm moves for about ${seconds(found.motion.seconds)}, slowly, with ${what}. ${sure} Keep clear of the arm.`, "Record")) return;
   const job = await post(`weighings/${found.id}/record`, { weight });
   finished(job).then((whole) => { shown = whole.result; draw(); }, (error) => failed("It was not recorded.", error));
