@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from datetime import UTC, datetime
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,10 +24,27 @@ from pa10d.store.names import new_id, stamp_after
 __all__ = ["clock"]
 
 
+ROOT = Path(__file__).resolve().parents[2]
+READS = re.compile(r"\btime\.time\(|\btime_ns\(|\.now\(UTC\)|\bnow\(tz|utcnow\(")
+NAMED_OR_DATED = {
+    "case_study/laboratory", "client/daemons", "daemon/events", "daemon/jobs/jobs", "demo/bench",
+    "investigation/begin", "investigation/course", "recorder/session", "services/joints",
+    "services/tuning/versions", "services/weighing/apply", "services/weighing/work",
+    "store/folders", "store/models", "store/names", "store/run_info",
+}  # fmt: skip
+
+
 def recorded(store, name):
     writer = store.start(name, channels())
     writer.append(samples())
     return writer.close()
+
+
+def test_the_walls_clock_names_and_dates_and_nothing_waits_by_it():
+    """It jumps, by an hour and by years. What shall last, or come to an end, has ``monotonic``."""
+    files = [p for p in (ROOT / "pa10d").rglob("*.py") if READS.search(p.read_text("utf-8"))]
+    found = {str(p.relative_to(ROOT / "pa10d").with_suffix("")) for p in files}
+    assert found == NAMED_OR_DATED
 
 
 def test_ids_rise_whatever_the_clock_does(clock):
