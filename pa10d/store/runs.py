@@ -115,7 +115,8 @@ class RunStore:
                 if old is not None:
                     self._refuse_replacing(old, replace)
                     writer.info = info.but(name=free_name(name, there))
-                    writer.then = partial(self._take_place, old, writer.info.name)
+                    so_called = frozenset(one.id for one in self.all() if one.name == name)
+                    writer.then = partial(self._take_place, old, so_called, writer.info.name)
                 self._publish(writer)
         except BaseException:
             writer.abandon()
@@ -261,10 +262,13 @@ class RunStore:
         writer.folder.rename(self.path(info))
         writer.folder = self.path(info)
 
-    def _take_place(self, old: RunInfo, numbered: str, info: RunInfo) -> RunInfo:
+    def _take_place(
+        self, old: RunInfo, so_called: frozenset[str], numbered: str, info: RunInfo
+    ) -> RunInfo:
         """What becomes of ``old`` and of the run that was to replace it, which has ended.
 
-        numbered: what the new one was called so long. Who has renamed one of both meanwhile wants
+        so_called: ids of all that had the name as it began, more than one where power went while
+        another was replaced; numbered: what the new one was called so long. Who has renamed one of both meanwhile wants
         to keep it: then both stay.
         """
         if info.status != "success":
@@ -273,7 +277,7 @@ class RunStore:
         try:
             with locked(self.folder):
                 there = self.all()
-                if any(other.name == old.name and other.id != old.id for other in there):
+                if any(other.name == old.name and other.id not in so_called for other in there):
                     raise UserError(f"another run took the name {old.name!r}")
                 if any(other.id == info.id and other.name != numbered for other in there):
                     return info  # it has a name of its own by now

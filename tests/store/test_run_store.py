@@ -131,6 +131,11 @@ def test_a_crash_between_new_and_old_keeps_both(store):
     again = RunStore(store.folder.parent)
     assert [info.id for info in again.all()] == [old.id, new.id]
     assert again.find("one").id == new.id
+    writer = again.start("one", channels(), replace=True)
+    writer.append(samples())
+    third = writer.close()
+    assert third.name == "one", "each later one was called one-2: another had taken the name"
+    assert [info.id for info in again.all()] == [old.id, third.id]
 
 
 def test_what_a_killed_import_left_is_swept_once_it_is_old(store):
