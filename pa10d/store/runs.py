@@ -268,8 +268,8 @@ class RunStore:
         """What becomes of ``old`` and of the run that was to replace it, which has ended.
 
         so_called: ids of all that had the name as it began, more than one where power went while
-        another was replaced; numbered: what the new one was called so long. Who has renamed one of both meanwhile wants
-        to keep it: then both stay.
+        another was replaced; numbered: what the new one was called so long. Who has renamed one of
+        both meanwhile wants to keep it: then both stay.
         """
         if info.status != "success":
             kept = f"run {old.name!r} was kept, and this one is called {info.name!r}"
