@@ -113,17 +113,21 @@ class BusCycle:
 
     def _gather(self) -> None:
         exchange, started = self._exchange, time.monotonic()
-        within = ANSWER_WITHIN * self._pace.period
+        within, looked = ANSWER_WITHIN * self._pace.period, False
         while not exchange.complete:
             if not self._pace.realtime:
                 within = self._patience()
             left = started + within - time.monotonic()
-            if left <= 0:
+            if left <= 0 and not (looked or self._pace.realtime):
+                looked = True  # we may have stood still ourselves, and answers have come meanwhile
+                exchange.take(drain(self._port))
+            elif left <= 0:
                 exchange.counters.missing += 1
                 if not self._pace.realtime and within == SIMULATION_ANSWERS:
                     raise self._watch.latch(fault("silent", ARM_STOOD_STILL))
                 return
-            exchange.take(self._port.receive(min(left, LOOKS)))
+            else:
+                exchange.take(self._port.receive(min(left, LOOKS)))
 
     def _patience(self) -> float:
         """s for which simulated time stands still: a machine that is busy makes no drive silent."""

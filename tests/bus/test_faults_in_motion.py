@@ -363,6 +363,30 @@ def test_an_arm_that_is_kept_from_its_work_is_waited_for(tmp_path: Path) -> None
         assert arm.counters.missing == 0
 
 
+def test_answers_that_came_while_we_stood_still_count(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Suspended as it waited for them, it said that the process of the virtual arm does not run."""
+    profile = make_profile(tmp_path)
+    with virtual_arm(profile), running(profile) as (arm, driver, _):
+        driver.run(0.05)
+        port, now = arm._cycle._port, [time.monotonic()]
+        monkeypatch.setattr(bus_cycle, "time", SimpleNamespace(monotonic=lambda: now[0]))
+        receive, slept = port.receive, [False]
+
+        def receive_after_a_sleep(timeout: float) -> bytes:
+            if timeout > 0 and not slept[0]:
+                slept[0], now[0] = True, now[0] + 10.0
+                time.sleep(0.05)  # the drives answer meanwhile
+                return b""
+            return receive(timeout)
+
+        monkeypatch.setattr(port, "receive", receive_after_a_sleep)
+        driver.run(0.05)
+        assert slept[0]
+        assert arm.counters.missing == 0
+
+
 @pytest.mark.realtime
 def test_control_dies_and_the_drives_stop_by_themselves(in_real_time: Profile) -> None:
     with subprocess.Popen(
