@@ -17,6 +17,7 @@ from pa10d.compare.places import Place, failing, places
 from pa10d.compare.unexplained import map_warnings
 from pa10d.compare.whiteness import Whiteness, whiteness
 from pa10d.judgement import (
+    MASK,
     MATERIAL,
     Judgement,
     NoiseFloor,
@@ -26,6 +27,7 @@ from pa10d.judgement import (
     in_band,
     judged,
     least_floor,
+    mask_of,
     of_own_runs,
     or_of_own_runs,
     run_residual,
@@ -43,13 +45,15 @@ Progress = Callable[[float, str], None]
 @dataclass(frozen=True)
 class RunScores:
     """One run's figures, or those of all together; where: its own regions; spread: in words, the
-    joints that keep materially more than noise of which no region stands out."""
+    joints that keep materially more than noise of which no region stands out; mask: which samples
+    count."""
 
     name: str
     scores: Scores
     floor: NoiseFloor
     where: tuple[Place, ...]
     spread: tuple[str, ...] = ()
+    mask: str = MASK
 
     @property
     def noise_floor(self) -> Array:
@@ -173,7 +177,7 @@ def _of(name: str, runs: list[RunResidual], model: TorqueModel, floor: NoiseFloo
     where = places(runs, model.robot, floor.values, judged=found)
     where += _clear_places(runs, found, floor, model, {place.joint for place in where})
     spread = failing(found, floor.values, model.robot, where, runs, model.noise)
-    return RunScores(name, found, floor, tuple(where), tuple(spread))
+    return RunScores(name, found, floor, tuple(where), tuple(spread), mask_of(runs))
 
 
 def _clear_places(

@@ -6,7 +6,6 @@ from pa10d.common.jsonable import JsonObject, plain
 from pa10d.compare.comparison import Comparison, RunScores
 from pa10d.compare.places import Place
 from pa10d.compare.regions import Region
-from pa10d.judgement import MASK
 
 
 def document(comparison: Comparison) -> JsonObject:
@@ -17,7 +16,7 @@ def document(comparison: Comparison) -> JsonObject:
         "model": comparison.model.name,
         "joint_names": list(comparison.model.robot.joint_names),
         "cutoff_hz": cutoff,
-        "mask": MASK,
+        "mask": comparison.pooled.mask,
         "runs": [{"name": run.name, **figures(run, cutoff)} for run in comparison.runs],
         "pooled": pooled,
         "where": pooled["where"],
@@ -50,7 +49,7 @@ def figures(run: RunScores, cutoff: float) -> JsonObject:
         "r2": plain(found.r2),
         **run.floor.document(),
         "cutoff_hz": cutoff,
-        "mask": MASK,
+        "mask": run.mask,
         "where": [place_document(place) for place in run.where],
         "spread": list(run.spread),
     }

@@ -28,7 +28,6 @@ from pa10d.investigation.words import (
     identified_words,
     judged_where,
 )
-from pa10d.judgement import MASK
 from pa10d.services.diagnoses import diagnose_runs
 from pa10d.services.history import history
 from pa10d.services.library import Library, open_library
@@ -74,7 +73,8 @@ def _compare(
     said = compared_words(found.comparison.pooled, found.info.name)
     if not state.unseen:
         said = f"Judged on the runs it was fitted to: there are no others. {said}"
-    on = judged_where(listed([run.name for run in found.runs]), found.comparison.model.cutoff, MASK)
+    there, mask = listed([run.name for run in found.runs]), found.comparison.pooled.mask
+    on = judged_where(there, found.comparison.model.cutoff, mask)
     said = f"{said} Judged on {on}."
     return StepOutcome(result=kept, said=said)
 

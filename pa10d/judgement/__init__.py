@@ -9,6 +9,7 @@ from pa10d.judgement.judge import (
     judge,
     judge_alike,
     judged,
+    mask_of,
     with_known_floor,
     with_one_floor,
 )
@@ -46,6 +47,7 @@ __all__ = [
     "judge_alike",
     "judged",
     "least_floor",
+    "mask_of",
     "noise_floor",
     "of_own_runs",
     "or_of_own_runs",

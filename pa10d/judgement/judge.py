@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject, plain
+from pa10d.common.words import joint_words
 from pa10d.judgement.band import common_band, in_band
 from pa10d.judgement.noise import NoiseFloor, noise_floor
 from pa10d.judgement.one_floor import (
@@ -138,8 +139,17 @@ def no_more_than(most: int, recordings: Sequence[Recording]) -> Sequence[Recordi
     return out
 
 
+def mask_of(runs: Sequence[RunResidual], mask: str = MASK) -> str:
+    """Which samples count, in words, where models with bristles leave out how they were bent."""
+    bent = sorted({joint for run in runs for joint in run.bent})
+    if not bent:
+        return mask
+    whose = "its" if len(bent) == 1 else "their"
+    return f"{mask}, {joint_words(bent)} once {whose} bristles have slid"
+
+
 def judged(model: str, runs: Sequence[RunResidual], mask: str = MASK) -> Judgement:
     """The same of runs that a model was held against already."""
     cutoff = runs[0].equation.lowpass.cutoff
     names = tuple(run.name for run in runs)
-    return Judgement(model, names, cutoff, scores(runs).rms, noise_floor(runs), mask)
+    return Judgement(model, names, cutoff, scores(runs).rms, noise_floor(runs), mask_of(runs, mask))

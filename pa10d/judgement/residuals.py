@@ -36,6 +36,7 @@ class RunResidual:
                where an error is looked for
     judged     (M, n) the same clear of reversals: where its size is judged
     rested     joints (0-based) that hardly moved: judged over the whole run instead
+    bent       joints (0-based) of which a beginning does not count: see ``bent_before``
     model      that sees it
     """
 
@@ -48,6 +49,7 @@ class RunResidual:
     counts: Mask
     judged: Mask
     rested: tuple[int, ...]
+    bent: tuple[int, ...]
     model: TorqueModel
 
     @cached_property
@@ -116,6 +118,7 @@ def residual_of(model: TorqueModel, equation: RunEquation) -> RunResidual:
         counts=counts,
         judged=clear,
         rested=rested,
+        bent=tuple(np.flatnonzero(unknown.any(axis=0)).tolist()),
         model=model,
     )
 

@@ -13,7 +13,7 @@ from pa10d.common.words import counted, joint_words, times, times_noise
 from pa10d.compare import Comparison, RunScores
 from pa10d.compare.phrases import brief
 from pa10d.figures.staircase import Stair
-from pa10d.judgement import MASK, MATERIAL
+from pa10d.judgement import MATERIAL
 from pa10d.report.blocks import Block, Cards, Lines, Plot, Section, Table, Text
 from pa10d.report.near_noise import near_noise
 from pa10d.report.page import page
@@ -146,7 +146,8 @@ def _history(comparison: Comparison, steps: Sequence[Stair]) -> Section:
 def _figures(comparison: Comparison) -> Section:
     names = comparison.model.robot.joint_names
     note = Text(
-        f"RMS, largest and noise floor in N·m (N for sliding joints), after the low-pass, {MASK}; "
+        f"RMS, largest and noise floor in N·m (N for sliding joints), after the low-pass, "
+        f"{comparison.pooled.mask}; "
         f"RMS raw: "
         "unfiltered torque; NRMSE: RMS over the range of the measured torque.", muted=True,
     )  # fmt: skip

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from two_links import recordings, textbook
 
-from pa10d.judgement import run_residual
+from pa10d.judgement import MASK, mask_of, run_residual
 from pa10d.model import Term
 
 WAY, CARRIED = 0.4, 3.0  # rad, N·m
@@ -29,6 +29,8 @@ def test_friction_as_the_run_found_it_is_not_judged():
     assert error[found.counts[:, 0]].max() < 0.02 * CARRIED
     assert error[found.judged[:, 0]].max() < 0.02 * CARRIED
     without = run_residual(plain, run)
+    assert mask_of([without]) == MASK
+    assert mask_of([without, found]) == f"{MASK}, joint 1 once its bristles have slid"
     assert error[without.judged[:, 0]].max() > 0.1 * CARRIED
     assert np.array_equal(found.judged[:, 1], without.judged[:, 1])
     later = slid[:: found.equation.lowpass.factor] > 8.0 * WAY
