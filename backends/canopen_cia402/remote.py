@@ -61,6 +61,7 @@ class Remote:
 
     def __init__(self, node: canopen.RemoteNode) -> None:
         self.node = node
+        self._mute = False  # about what it has not: it says nothing instead of no
 
     def has(self, index: int, sub: int = 0) -> bool:
         """Whether the EDS or the drive knows the object."""
@@ -93,7 +94,8 @@ class Remote:
                 return "absent"
             return f"refused: {refusal}"
         except SdoCommunicationError as error:
-            raise SetupError([f"no answer to SDO 0x{index:04X}:{sub}: {error}"]) from error
+            self._not_answered(variable, index, sub, error)
+            return "absent"
         kept = self.read(index, sub)
         if kept == value or (kept is None and not variable.readable):
             return None
@@ -119,12 +121,24 @@ class Remote:
                 return None
             raise SetupError([f"SDO 0x{index:04X}:{sub} refused: {refusal}"]) from refusal
         except SdoCommunicationError as error:
+            self._not_answered(variable, index, sub, error)
+            return None
+
+    def _not_answered(
+        self, variable: Variable, index: int, sub: int, error: SdoCommunicationError
+    ) -> None:
+        """SetupError, but where it was asked for what its EDS does not have: it is not asked for
+        such things again, for each takes seconds."""
+        if variable.promised or str(error) != NO_ANSWER:
             raise SetupError([f"no answer to SDO 0x{index:04X}:{sub}: {error}"]) from error
+        self._mute = True
 
     def _variable(self, index: int, sub: int) -> Variable | None:
         """By the standards, in the size that the EDS gives it; else by the EDS alone."""
         told: ODVariable | None = self.node.object_dictionary.get_variable(index, sub)
         kind = standard(index, sub)
+        if told is None and self._mute:
+            return None
         if told is None:
             return Variable(_bytes(kind), _signed(kind), text=False) if kind is not None else None
         own = told.data_type

@@ -6,13 +6,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from canopen import RemoteNode, SdoAbortedError
+from canopen import RemoteNode, SdoAbortedError, SdoCommunicationError
 from canopen.objectdictionary import UNSIGNED8, UNSIGNED16
 from makers_eds import EPOS4, EPOS4_RATED, EROB, GENERIC, node_made_from, wish
 
 from backends.canopen_cia402.configure import configure
 from backends.canopen_cia402.network import PortNetwork
-from backends.canopen_cia402.remote import SetupError
+from backends.canopen_cia402.remote import NO_ANSWER, SetupError
 from backends.eds import load_eds
 
 CIA_402 = {"x1000": 0x00020192, "x6502": 0x200}
@@ -81,6 +81,24 @@ def test_whatever_a_drive_answers_about_what_it_has_not(monkeypatch: pytest.Monk
         report = configure(node, wish())
     assert "unknown_reaction" in report.risks
     assert "no Abort connection option code (0x6007)" in "\n".join(report.lacks)
+
+
+def test_a_drive_that_says_nothing_about_what_it_has_not_is_asked_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with node_made_from(EROB) as node:
+        ask, asked = node.sdo.upload, []
+
+        def upload(index: int, sub: int) -> bytes:
+            if index not in node.object_dictionary:
+                asked.append(index)
+                raise SdoCommunicationError(NO_ANSWER)
+            return ask(index, sub)
+
+        monkeypatch.setattr(node.sdo, "upload", upload)
+        report = configure(node, wish())
+    assert len(asked) == 1, "each takes three seconds"
+    assert "unknown_reaction" in report.risks
 
 
 def test_a_drive_knows_its_sizes() -> None:
