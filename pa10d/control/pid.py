@@ -14,7 +14,7 @@ from pa10d.control.reference import Reference
 Array = NDArray[np.float64]
 
 AWAY, STILL, STUCK = 5e-3, 5e-3, 0.3  # rad from its place, rad/s, for so many s: a joint sticks
-STEPS = 0.1  # s over which speed is taken for that: a step of a coarse encoder is no motion
+STEP = 0.009  # s for which one step of a coarse encoder looks like speed: that is no motion
 GROWS = 0.1  # s in which a push grows by itself at most, and by what the error presses with
 FAR, LET_GO = 0.07, 0.1  # rad beyond its place, where a push ends within so many s
 
@@ -51,7 +51,7 @@ class Pid:
         self._integral = np.zeros_like(limit)
         self._pushed = np.zeros_like(limit)  # N·m of the integral that pushes gave
         self._still, self._patience = np.zeros_like(limit), np.full_like(limit, STUCK)  # s
-        self._speed, self._steps = np.zeros_like(limit), min(1.0, period / STEPS)
+        self._moves = np.zeros_like(limit)  # s
         self._side = np.zeros_like(limit)  # of its place, on which a joint was last
         self._held = HeldFriction(gains.friction, period)
         self._own = np.zeros_like(limit)  # N·m without the motion's own
@@ -67,7 +67,7 @@ class Pid:
         error, error_rate = reference.q - q, reference.dq - dq
         rest = torque - reference.extra - self.gains.kp * error - self.gains.kd * error_rate
         self._integral[:] = np.clip(rest, -self._limit, self._limit)
-        self._pushed[:] = self._still[:] = self._side[:] = self._speed[:] = 0.0
+        self._pushed[:] = self._still[:] = self._side[:] = self._moves[:] = 0.0
         self._patience[:] = STUCK
         self._own[:] = torque - reference.extra
         self._held.start(q, self._own)
@@ -100,8 +100,8 @@ class Pid:
         side = np.where(away, np.sign(error), self._side)
         self._patience = np.where(led, STUCK, self._patience * (1 + (side * self._side < 0)))
         self._side = np.where(led, 0.0, side)
-        self._speed += self._steps * (dq - self._speed)
-        self._still = np.where(np.abs(self._speed) < STILL, self._still + self._period, 0.0)
+        self._moves = np.where(np.abs(dq) < STILL, 0.0, self._moves + self._period)
+        self._still = np.where(self._moves > STEP, 0.0, self._still + self._period)
         stuck = away & (self._still > self._patience)
         leaves = (np.abs(error) > FAR) & (self._pushed * error < 0) & (dq * error < 0)
         leaves &= self.gains.kp * np.abs(error) < np.abs(self._pushed)
