@@ -9,18 +9,18 @@ from numpy.typing import NDArray
 
 from pa10d.common.words import rounded
 from pa10d.dynamics.robot import PARAMETER_NAMES, Robot
+from pa10d.identify.channel import FoundChannel
 from pa10d.identify.excitation import MotionExtent
 from pa10d.identify.feasibility import FeasibleModel
 from pa10d.identify.fit import Fit
 from pa10d.identify.smoothing import Smoothing
 from pa10d.identify.timing import Shift
-from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.regression.layout import Layout
 
 Array = NDArray[np.float64]
 
 EARLY_SURE = 3.0  # standard errors, from which on torque that looks early is worth a word
-LATER = 3.0  # standard errors of torque's delay, beyond which a filter's own is more
+LATER = 3.0  # standard errors of both, beyond which a filter's own delay is more than torque's
 SMALL_RANGE = 0.05  # rad (m): a joint that moves less tells nothing of gravity or inertia
 FEW_REVERSALS = 2
 UNCERTAIN = 0.3  # standard error over value
@@ -36,7 +36,7 @@ def warnings_of(
     feasible: FeasibleModel,
     smoothing: Smoothing,
     shift: Shift,
-    channel: TorqueFilter | None,
+    channel: FoundChannel | None,
     seen: MotionExtent,
 ) -> list[str]:
     """Sentences, the gravest first."""
@@ -159,7 +159,7 @@ def _friction_sign(robot: Robot, smoothing: Smoothing, seen: MotionExtent) -> It
         )
 
 
-def _timing(shift: Shift, channel: TorqueFilter | None) -> Iterator[str]:
+def _timing(shift: Shift, channel: FoundChannel | None) -> Iterator[str]:
     if shift.seconds:
         word = "late" if shift.seconds > 0 else "early"
         yield (
@@ -174,8 +174,8 @@ def _timing(shift: Shift, channel: TorqueFilter | None) -> Iterator[str]:
         )
     if channel is not None:
         yield (
-            f"the torque channel smooths: the recorded torque has passed {channel}, or something "
-            "like it; the fit and the model account for it" + _too_slow(channel, shift)
+            f"the torque channel smooths: the recorded torque has passed {channel.words}, or "
+            "something like it; the fit and the model account for it" + _too_slow(channel, shift)
         )
     if np.isfinite(shift.slow):
         yield (
@@ -185,14 +185,16 @@ def _timing(shift: Shift, channel: TorqueFilter | None) -> Iterator[str]:
         )
 
 
-def _too_slow(channel: TorqueFilter, shift: Shift) -> str:
+def _too_slow(channel: FoundChannel, shift: Shift) -> str:
     """Where the filter alone would make torque later than it is, that is no plain reading of it."""
-    if channel.delay <= shift.seconds + LATER * shift.std_error:
+    later = channel.passed.delay - shift.seconds
+    unsure = channel.std_error if np.isfinite(channel.std_error) else 0.0
+    if later <= LATER * np.hypot(shift.std_error, unsure):
         return ""
     return (
-        f". That filter alone would be {channel.delay * 1e3:.3g} ms late, more than torque is: "
-        "angles are late as well, or it is their noise, which makes accelerations too large where "
-        "they are fast, that looks like it"
+        f". That filter alone would be {channel.passed.delay * 1e3:.3g} ms late, more than torque "
+        "is: angles are late as well, or it is their noise, which makes accelerations too large "
+        "where they are fast, or an effect that the textbook lacks, that looks like it"
     )
 
 

@@ -10,7 +10,7 @@ while it sticks is nobody's filter.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,9 +34,23 @@ AGREED = 2.0  # standard errors of all joints but the one that asks most (chosen
 CLOSER = 2  # rounds of halving the distance between what was tried
 
 
+@dataclass(frozen=True)
+class FoundChannel:
+    """passed: what the torque has; std_error: s, of its delay; infinite at the end of what was
+    tried, where one that is later yet may suit better."""
+
+    passed: TorqueFilter
+    std_error: float
+
+    @property
+    def words(self) -> str:
+        """``a low-pass of first order at 20.7 ± 3 Hz``."""
+        return self.passed.give_or_take(self.std_error / self.passed.delay)
+
+
 def find_channel(
     pieces: Pieces, layout: Layout, smoothing: Smoothing, shift: Shift
-) -> TorqueFilter | None:
+) -> FoundChannel | None:
     """None where torque is not late, where no low-pass is significant, or where the joints do not
     agree without the one that asks for it most: that one may lack something of its own.
 
@@ -70,7 +84,21 @@ def find_channel(
     each = known[best]
     if each.sum() < SIGNIFICANT**2 or each.sum() - each.max() < AGREED**2:
         return None
-    return _of(kind, best * shift.seconds)
+    times, error = _vertex(known, best)
+    return FoundChannel(_of(kind, times * shift.seconds), error * shift.seconds)
+
+
+def _vertex(known: Mapping[float, Array], best: float) -> tuple[float, float]:
+    """Of the parabola through the best delay and its neighbours, in parts of the one that torque
+    has, and its standard error: as far away twice the logarithm of the likelihood is less by one.
+    """
+    tried = sorted(known)
+    at = tried.index(best)
+    if not 0 < at < len(tried) - 1:
+        return best, float(np.inf)
+    x = np.array(tried[at - 1 : at + 2])
+    bend, slope, _ = np.polyfit(x - best, [known[d].sum() for d in x], 2)
+    return float(best - 0.5 * slope / bend), float(1.0 / np.sqrt(-bend))
 
 
 def _of(kind: str, delay: float) -> TorqueFilter:

@@ -59,7 +59,7 @@ def model_of(
         noise=fit.rms,
         cutoff=cutoff,
         shift=seen.shift.seconds,
-        channel=seen.channel,
+        channel=None if seen.channel is None else seen.channel.passed,
         standard=feasible.standard if feasible.found else None,
         feasible=feasible.found,
         runs=tuple(r.name for r in recordings),

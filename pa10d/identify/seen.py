@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from pa10d.identify.blocks import Pieces
-from pa10d.identify.channel import find_channel
+from pa10d.identify.channel import FoundChannel, find_channel
 from pa10d.identify.first_look import sharpened
 from pa10d.identify.late_apart import late_apart
 from pa10d.identify.loads import look_through_all, look_through_textbook
@@ -14,7 +14,6 @@ from pa10d.identify.shapes import with_starting_shapes
 from pa10d.identify.smoothing import Smoothing
 from pa10d.identify.timing import Shift, find_shift
 from pa10d.identify.told import Errors, refined
-from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.regression.layout import Layout
 
 
@@ -28,7 +27,7 @@ class SeenRuns:
     smoothing: Smoothing
     shift: Shift
     apart: str | None
-    channel: TorqueFilter | None
+    channel: FoundChannel | None
     told: Errors
 
 
@@ -50,7 +49,7 @@ def seen_in(
     say(0.5, "what the torque channel has passed")
     channel = find_channel(pieces, layout, smoothing, shift)
     if channel is not None:
-        pieces.pass_through(channel)
+        pieces.pass_through(channel.passed)
         smoothing, layout = sharpened(pieces, layout)
         rest = find_shift(pieces, layout)
         pieces.shift_by(rest.seconds)

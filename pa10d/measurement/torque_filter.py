@@ -42,6 +42,13 @@ class TorqueFilter:
         return np.asarray(passed * np.exp(1j * DELAYS[self.kind] * turn), dtype=np.complex128)
 
     def __str__(self) -> str:
-        if self.kind == MEAN:
-            return f"a mean over {1e3 * self.seconds:.3g} ms"
-        return f"a low-pass of {self.kind} at {0.5 / np.pi / self.seconds:.3g} Hz"
+        return self.give_or_take(0.0)
+
+    def give_or_take(self, share: float) -> str:
+        """In words; share: what its time is unsure by, as a part of it (0, infinite: untold)."""
+        mean = self.kind == MEAN
+        size = 1e3 * self.seconds if mean else 0.5 / np.pi / self.seconds
+        error = f" ± {share * size:.2g}" if 0.0 < share < np.inf else ""
+        if mean:
+            return f"a mean over {size:.3g}{error} ms"
+        return f"a low-pass of {self.kind} at {size:.3g}{error} Hz"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 
 import numpy as np
@@ -10,7 +11,10 @@ import scipy
 from two_links import NAMES, recordings, robot
 
 from pa10d.diagnose.procedure import diagnose
+from pa10d.identify.advice import _timing
+from pa10d.identify.channel import FoundChannel
 from pa10d.identify.procedure import identify
+from pa10d.identify.timing import Shift
 from pa10d.judgement import run_residual
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import Lowpass, through_channel
@@ -49,7 +53,17 @@ def test_the_low_pass_of_the_channel_is_found():
     _, model = smoothed()
     assert model.channel.kind == "first order"
     assert 0.5 / np.pi / model.channel.seconds == pytest.approx(HERTZ, rel=0.15)
-    assert any("a low-pass of first order" in line for line in model.notes.warnings)
+    (line,) = (line for line in model.notes.warnings if "a low-pass of first order" in line)
+    told, error = (float(x) for x in re.search(r"at ([\d.]+) ± ([\d.]+) Hz", line).groups())
+    assert abs(told - HERTZ) < 3.0 * error < 0.3 * HERTZ
+
+
+@pytest.mark.parametrize(("times", "said"), [(1.1, False), (1.6, True)])
+def test_a_filter_is_later_than_torque_only_beyond_what_its_time_is_unsure_by(times, said):
+    """20.7 Hz for 25 was told as "angles are late as well": 20.7 ± 2.5."""
+    shift = Shift(0.0064, 0.0064, 0.00005, np.full(2, 0.0064))
+    channel = FoundChannel(TorqueFilter("first order", times * shift.seconds), 0.0008)
+    assert ("more than torque is" in " ".join(_timing(shift, channel))) == said
 
 
 @pytest.mark.long

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from pa10d.diagnose.evidence.held_out import quadratic_form
 from pa10d.diagnose.regression.behind import moved_by, torque_of
 from pa10d.diagnose.regression.partial import solve_symmetric
-from pa10d.diagnose.regression.shapes import free_shapes
-from pa10d.diagnose.regression.slopes import with_slopes
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.shape_slopes import beyond, shape_slopes
 from pa10d.diagnose.search.timing import sizes
 from pa10d.identify.channel import AGREED, CLOSER, DELAYED, LEAST_DELAY, between
 from pa10d.identify.timing import SIGNIFICANT
@@ -54,7 +53,7 @@ def tuned(state: SearchState) -> SearchState:
     now = state.train.runs[0].lowpass.channel
     if now is None:
         return state
-    channel, _ = _of_kind(now.kind, now.seconds, _asking(state, _slopes(state)))
+    channel, _ = _of_kind(now.kind, now.seconds, _asking(state, shape_slopes(state)))
     return state if channel == now else state.behind(channel)
 
 
@@ -85,29 +84,6 @@ def _over(gains: Array, errors: Array) -> float:
     return 2.0 * float(gains.sum() / max(float(np.sqrt(np.sum(errors**2))), 1e-300))
 
 
-def _slopes(state: SearchState) -> PerJoint:
-    """joint -> (m_j, s) weighted: how the torque of all terms beyond dry friction moves with their
-    shapes, beyond what coefficients absorb. They were settled without the channel, and stand in."""
-    fit, train = state.fit, state.train
-    parts: dict[int, list[Array]] = {j: [] for j in range(train.n)}
-    for term in state.terms:
-        if not free_shapes(term.effect, term.shape):
-            continue
-        count, moved = len(term.coefficients), with_slopes(train, term)
-        width = next(iter(moved.values())).shape[1] - count
-        for j in range(train.n):
-            own = moved[j][:, count:] if j in moved else np.zeros((len(fit.basis[j]), width))
-            parts[j].append(own / fit.sigma[j])
-    columns = {j: np.column_stack([fit.basis[j][:, :0], *own]) for j, own in parts.items()}
-    return _beyond(fit.basis, columns)
-
-
-def _beyond(basis: PerJoint, columns: PerJoint) -> PerJoint:
-    """Columns (m_j, k) without what an orthonormal basis has of them over all joints."""
-    seen = np.sum([basis[j].T @ columns[j] for j in columns], axis=0)
-    return {j: columns[j] - basis[j] @ seen for j in columns}
-
-
 def _asking(state: SearchState, slopes: PerJoint) -> Asks:
     """By channel: (n,) what each joint's squared weighted error falls by behind it, coefficients
     anew and shapes along their ``slopes`` (m_j, s), and (n,) the standard error that the noise
@@ -117,7 +93,7 @@ def _asking(state: SearchState, slopes: PerJoint) -> Asks:
     gram = np.sum([s.T @ s for s in slopes.values()], axis=0)
 
     def asks(channel: TorqueFilter) -> Gains:
-        left = _beyond(fit.basis, moved_by(state, torque, channel, now))
+        left = beyond(fit.basis, moved_by(state, torque, channel, now))
         own = {j: left[j][:, 0] for j in range(n)}
         if slopes:
             seen = np.sum([slopes[j].T @ own[j] for j in range(n)], axis=0)

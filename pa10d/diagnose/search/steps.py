@@ -19,6 +19,7 @@ from pa10d.diagnose.constants import (
     SEARCH_LEVEL,
     SPRINGS_FOLLOWED,
     STEPS_PER_JOINT,
+    TIMING_ROUNDS,
 )
 from pa10d.diagnose.evidence.errors_of import term_covariance
 from pa10d.diagnose.regression.state import SearchState
@@ -93,7 +94,8 @@ class Search:
         if self._exchanged():
             self._forward(steps, refused)
             self._without_unsure(steps, refused)
-        if self._behind_channel():
+        moved = self._in_time()
+        if self._behind_channel() or moved:
             self._forward(steps, refused)
             self._without_unsure(steps, refused)
         return self
@@ -115,6 +117,24 @@ class Search:
                     step.chosen = rival
                     step.rivals = [one for one in step.rivals if one is not rival]
         return exchanged
+
+    def _in_time(self) -> bool:
+        """Take the robot's offset in time anew beside what was found: what was missing when it was
+        taken posed as some of it. A spring's damping is a delay of its torque, and took the rest.
+        """
+        if len(self.state.terms) == self.fixed or not self.suspects:
+            return False
+        saved, moved = self.state.copy(), False
+        for _ in range(TIMING_ROUNDS):
+            if align(self.state, shapes=True) == 0.0:
+                break
+            moved = True
+            self.settle()
+        if moved and spoils(saved, self.state):
+            self.state, moved = saved, False
+        if moved:
+            self.prune()
+        return moved
 
     def _behind_channel(self) -> bool:
         """Let all columns pass what the torque has passed, where that shows by now; what stood in

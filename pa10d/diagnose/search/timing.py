@@ -20,26 +20,30 @@ from pa10d.diagnose.constants import (
     TIMING_SIGNIFICANT,
 )
 from pa10d.diagnose.evidence.held_out import quadratic_form
-from pa10d.diagnose.regression.partial import partials
+from pa10d.diagnose.regression.partial import partials, solve_symmetric
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.shape_slopes import shape_slopes
 from pa10d.effects import effect
 from pa10d.measurement.encoder_noise import motion_up_to
 from pa10d.measurement.signals import Lowpass
+from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
 
 
-def align(state: SearchState, contradicting: bool = False) -> float:
+def align(state: SearchState, contradicting: bool = False, shapes: bool = False) -> float:
     """Take the common offset out of both sides; returns it in s (0 where insignificant). A frozen
     model brings its own timing: nothing there may be explained by moving it.
 
-    contradicting: also where the joints ask for different ones, if it helps nearly all of them.
+    contradicting: also where the joints ask for different ones, if it helps nearly all of them;
+    shapes: of what was found may move along.
     """
     taken = 0.0
     if state.frozen:
         return taken
     for _ in range(TIMING_ROUNDS):
-        delays, errors = joint_delays(state)
+        along = (shape_slopes(state),) if shapes else ()
+        delays, errors = joint_delays(state, *along)
         offset, error = weighted_median(delays, errors)
         if abs(offset) < TIMING_SIGNIFICANT * error:
             break
@@ -88,9 +92,12 @@ def _helps(before: Array, after: Array) -> bool:
     return bool(np.all(after <= before) and np.mean(less) > TIMING_AGREE)
 
 
-def joint_delays(state: SearchState) -> tuple[Array, Array]:
-    """(n,) s: each joint's own best delay beside the present model, and its standard error."""
+def joint_delays(state: SearchState, shapes: PerJoint | None = None) -> tuple[Array, Array]:
+    """(n,) s: each joint's own best delay beside the present model, and its standard error; shapes:
+    ``shape_slopes`` along which what was found may move."""
     kind, n = effect("torque_delay"), state.train.n
+    shapes = shapes or {j: basis[:, :0] for j, basis in state.fit.basis.items()}
+    gram = np.sum([s.T @ s for s in shapes.values()], axis=0)
     delays, errors = np.zeros(n), np.full(n, np.inf)
     residual = state.train.scatter(state.train_residual())
     motion = motion_up_to([(run.context.q, run.lowpass.rate) for run in state.train.runs])
@@ -99,8 +106,10 @@ def joint_delays(state: SearchState) -> tuple[Array, Array]:
         one = partials(state.fit, columns, kind, 1)[0]
         if not one.identifiable:
             continue
-        left = columns[j][:, 0] / state.fit.sigma[j]
-        left = left - state.fit.basis[j] @ one.seen[:, 0]
+        own = columns[j][:, 0] / state.fit.sigma[j]
+        left = own - state.fit.basis[j] @ one.seen[:, 0]
+        if gram.size:
+            left = left - shapes[j] @ solve_symmetric(gram, shapes[j].T @ own)
         asked = _slow(state, j, left, motion)  # an instrumental variable, if it is not left itself
         knows = float(asked @ left)
         if knows <= 0.0:
