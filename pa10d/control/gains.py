@@ -51,6 +51,7 @@ TURNING = 5.4  # kp·e/C: a joint whose friction turns round goes 2·0.27·C/(J�
 UPRIGHT = 2.5  # kp of what gravity pulls a joint by that stands on it
 HELD = 1.5  # … at least, of what it may be: a sensitivity of 2 asks for that
 WORN = 0.5  # of the measured viscous friction that is there in any case
+FIRM = 2.0  # … where gains are softened: joints that lean together ask for more than HELD
 AGAIN = 0.6  # of the inertia that explained a swing, where it was not enough
 LONE = 0.5  # of the usual inertia: what is lighter swings without its link
 SMALL = 1e-3  # rad
@@ -64,6 +65,7 @@ class PidGains:
 
     push: N·m/s by which the torque on a joint that sticks grows, until it comes loose; the first
     motion alone needs it. friction: N·m of dry friction as measured, which motions bring along.
+    pull: N·m/rad by which gravity pulls the joint away at most, 0 where it hangs, or nobody knows.
     """
 
     kp: Array
@@ -71,6 +73,7 @@ class PidGains:
     kd: Array
     push: Array = field(default_factory=lambda: np.zeros(1))
     friction: Array = field(default_factory=lambda: np.zeros(1))
+    pull: Array = field(default_factory=lambda: np.zeros(1))
 
     def document(self) -> dict[str, list[float]]:
         """For JSON and the pipe to the control process."""
@@ -82,9 +85,9 @@ class PidGains:
         return PidGains(**{k: np.array(v, dtype=float) for k, v in document.items()})
 
     def softened(self, share: float) -> PidGains:
-        """The same poles, slower: ``share`` of the bandwidth."""
+        """The same poles, slower: ``share`` of the bandwidth; but gravity stays outweighed."""
         kp, ki, kd = share**2 * self.kp, share**3 * self.ki, share * self.kd
-        return replace(self, kp=kp, ki=ki, kd=kd)
+        return replace(self, kp=np.maximum(kp, np.minimum(self.kp, FIRM * self.pull)), ki=ki, kd=kd)
 
 
 def nominal_inertia(robot: Robot) -> Array:
@@ -135,7 +138,8 @@ def fitted_gains(
         asked = asked_gains(float(thought), float(figures.viscous[j]), float(bandwidth[j]))
         made.append(_held(asked, span, figures, float(pull[j]), _timing(control, figures, j), j))
     gains = _together(made)
-    gains = replace(gains, ki=settled(_coupled(robot, control, figures, gains), gains.ki))
+    settling = settled(_coupled(robot, control, figures, gains), gains.ki)
+    gains = replace(gains, ki=settling, pull=pull)
     return FittedGains(gains, np.array([one.sensitivity for one in made]))
 
 

@@ -59,7 +59,7 @@ class Tuned:
             return found
         given, fitted = self.profile.control.gains, self.measured.known.gains
         kp, ki, kd = (getattr(found if getattr(given, k) else fitted, k) for k in GAINS)
-        return PidGains(kp, ki, kd, fitted.push)
+        return PidGains(kp, ki, kd, fitted.push, pull=fitted.pull)
 
     @cached_property
     def sensitivity(self) -> Array:
