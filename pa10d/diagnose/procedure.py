@@ -13,6 +13,7 @@ from pa10d.diagnose.outcome.found import finding
 from pa10d.diagnose.outcome.rest import rest_of
 from pa10d.diagnose.search.begun import Begun, begin
 from pa10d.diagnose.search.bent_laws import bent_laws
+from pa10d.diagnose.search.candidates import absorbed
 from pa10d.diagnose.search.corners import sharpened
 from pa10d.diagnose.search.course import searched
 from pa10d.diagnose.search.finished import Finished, finished
@@ -127,6 +128,7 @@ def _told(
         above_band=rest.above_band,
         knocked=rest.knocked,
         only="" if only is None else effect(only[0]).named,
+        absorbed=not (whole or findings) and absorbed(state, search.suspects),
         lacked=tuple(
             j
             for j in range(model.robot.n)

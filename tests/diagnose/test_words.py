@@ -4,15 +4,20 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from two_links import motion, recordings, state_of, textbook, textbook_torque
 
 from pa10d.diagnose.outcome.diagnosis import Finding
 from pa10d.diagnose.outcome.doubts import _beside_more, _or_base
 from pa10d.diagnose.outcome.found import sized
 from pa10d.diagnose.outcome.words import none_found, nothing, sentence
+from pa10d.diagnose.regression.sides import two_sides
+from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.candidates import absorbed
 from pa10d.diagnose.unknown.remaining import Remaining
 from pa10d.dynamics import robot_from_profile
-from pa10d.effects import Value
+from pa10d.effects import Value, effect
 from pa10d.figures.of_diagnosis import shown_joint
+from pa10d.measurement.recording import Recording
 from pa10d.model import Term
 from pa10d.profile import load_profile
 
@@ -90,10 +95,24 @@ def test_coefficients_are_told_from_zero_together(values, covariance, expected):
 
 
 def test_one_suspicion_that_is_not_confirmed_says_nothing_of_others():
-    found = SimpleNamespace(only="a torque offset", stood="")
+    found = SimpleNamespace(only="a torque offset", stood="", absorbed=False)
     assert none_found(found) == (
         "This data does not show a torque offset; nothing else was looked for."
     )
+
+
+def test_what_the_model_takes_for_its_own_is_not_said_not_to_be_there():
+    """Nearly upright a spring is a weight: "this data does not show a spring" hid 60 N·m/rad."""
+    t, q, dq, ddq = motion(7)
+    q, dq, ddq = 0.05 * q + [0.3, -0.2], 0.05 * dq, 0.05 * ddq
+    noise = 0.002 * np.random.default_rng(7).standard_normal(q.shape)
+    near = Recording("near", t, q, textbook_torque(q, dq, ddq) + noise)
+    train, held, _ = two_sides(model := textbook(recordings(7)), [near], [])
+    spring = [(effect("spring"), (1,))]
+    assert absorbed(SearchState.start(model, train, held), spring)
+    assert not absorbed(state_of(recordings(7)), spring)
+    found = SimpleNamespace(only="a spring", stood="", absorbed=True)
+    assert none_found(found).startswith("This data cannot tell a spring from what the model has")
 
 
 def test_one_joint_is_told_by_its_sentence_its_cards_and_its_plots():

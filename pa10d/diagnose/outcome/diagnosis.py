@@ -104,6 +104,7 @@ class Diagnosis:
     with the samples that count. Whoever draws or tells more of it later reads no run again
     judged_on: in words, which data the fit has not seen
     identified_from: names of the given model's own runs
+    absorbed: these data cannot tell it from what the model has already
     only: the one suspicion that was looked for, as people call it; empty: the whole library was
     lacked: joints (0-based) that keep no more than a model that stays as it was may leave though
     nothing changed
@@ -138,6 +139,7 @@ class Diagnosis:
     identified_from: tuple[str, ...] = ()
     with_reversals: Array | None = None
     only: str = ""
+    absorbed: bool = False
     lacked: tuple[int, ...] = ()
     beside: str = ""
     stood: str = ""

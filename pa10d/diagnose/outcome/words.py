@@ -231,6 +231,11 @@ def none_found(found: Diagnosis) -> str:
             f"Whether {found.only} came this data cannot say: {found.stood}. Nothing else was "
             "looked for."
         )
+    if found.only and found.absorbed:
+        return (
+            f"This data cannot tell {found.only} from what the model has already, bodies among it; "
+            "nothing else was looked for."
+        )
     if found.only:
         return f"This data does not show {found.only}; nothing else was looked for."
     if found.stood:

@@ -86,6 +86,14 @@ def started(state: SearchState, effect: Effect, joints: tuple[int, ...]) -> list
     return [Candidate(effect, joints, *one) for one in found]
 
 
+def absorbed(state: SearchState, pairs: Sequence[tuple[Effect, tuple[int, ...]]]) -> bool:
+    """Is there no shape of any of these, of all that a search begins with, which the fit side can
+    tell from what the model has?"""
+    shapes = [(effect, joints, _starts(state, effect, joints)) for effect, joints in pairs]
+    begun = [one for one in shapes if one[2]]
+    return bool(begun) and not any(_tried(state, *one, own=False) for one in begun)
+
+
 def _prepare(state: SearchState, effects: Iterable[Effect]) -> None:
     """What many suspects look at, before two processes would compute it each for themselves."""
     if any(e.uses_model and e.reaches_other_joints for e in effects):

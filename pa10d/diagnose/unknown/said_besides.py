@@ -85,10 +85,9 @@ def _gain(one: OfJoint) -> str:
         if one.on_found
         else f"{percent(gain.share)} would be gone"
     )
-    return (
-        f" Were the joint's torque read differently from {where} to {where}, {gone}: look at how "
-        "it is measured."
-    )
+    read = isinstance(one.left, Unnamed) and one.left.witness == "reading"  # what to do is said
+    advice = "" if read else ": look at how it is measured"
+    return f" Were the joint's torque read differently from {where} to {where}, {gone}{advice}."
 
 
 def _doubt(one: OfJoint) -> str:
