@@ -337,10 +337,12 @@ def test_a_floor_that_is_hardly_known_says_so():
 
 
 def test_a_floor_that_is_not_known_at_all_asks_for_a_repeat():
-    """ "Explained to the floor" was said of a floor of 0.1 N·m, give or take 200 %."""
+    """ "Explained to the floor, as far as that is known" was said of one give or take 664 %."""
     left = judged(1.0, source="high frequencies")
     guessed = replace(left.floor, errors=2.0 * left.floor.values)
     (said,) = remaining(replace(left, floor=guessed), [None], [], ["N·m"])
+    assert "explained" not in said.sentence
     assert said.sentence.endswith(
-        "as far as that is known. Record one motion twice: what comes again is no noise."
+        "this data cannot say how much of it is noise. Record one motion twice: what comes again "
+        "is none."
     )

@@ -216,8 +216,12 @@ def _explained(one: OfJoint) -> str:
     unsure = floor_error(one)
     if unsure <= UNSURE_FLOOR:
         return ": explained to the floor"
-    text = ": explained to the floor, as far as that is known"
-    return text if unsure < 1.0 or one.source == REPEATS else f"{text}. {ASK_AGAIN}"
+    if unsure < 1.0 or one.source == REPEATS:
+        return ": explained to the floor, as far as that is known"
+    return (
+        ": a floor so unsure says next to nothing, and this data cannot say how much of it is "
+        "noise. Record one motion twice: what comes again is none"
+    )
 
 
 RULES: tuple[Callable[[OfJoint], str], ...] = (
