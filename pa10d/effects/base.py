@@ -309,6 +309,11 @@ class Effect(ABC):
         ``reaches_other_joints``; k = number of coefficients. N·m per unit.
         """
 
+    def slips(self, context: Context, joints: Sequence[int], shape: Shape) -> Array | None:
+        """(N,) rad/s at which surfaces slip past each other that are no joint's own, and stick
+        where that is nothing; None: it has no such surfaces."""
+        return None
+
     def level(self, context: Context, joints: Sequence[int], shape: Shape) -> Array:
         """(N,) size of its friction per unit of its coefficient, where it is ``carried``."""
         raise NotImplementedError

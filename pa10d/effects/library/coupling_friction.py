@@ -53,7 +53,7 @@ class CouplingFriction(Effect):
 
     def columns(self, context, joints, shape):
         i, j = joints
-        v = context.dq[:, i] + shape["ratio"] * context.dq[:, j]
+        v = self.slips(context, joints, shape)
         both = np.column_stack(
             [
                 context.sign(v, context.softness(shape.get("v0", SHARP))),
@@ -64,6 +64,10 @@ class CouplingFriction(Effect):
         out[:, i] = both
         out[:, j] = shape["ratio"] * both
         return out
+
+    def slips(self, context, joints, shape):
+        i, j = joints
+        return context.dq[:, i] + shape["ratio"] * context.dq[:, j]
 
     def starts(self, context, joints):
         ratios = [{"ratio": r} for r in (1.0, -1.0)]
