@@ -129,6 +129,8 @@ class Bench:
             if state == "fault":
                 with contextlib.suppress(UserError):  # it names what is still away
                     self.client.reset()
+            elif state == "running":  # what a test that failed has left moving
+                self.client.stop()
             elif state == "holding":
                 self.client.disable()
             assert time.monotonic() < until, self.client.robot()

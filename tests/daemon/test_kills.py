@@ -26,6 +26,7 @@ pytestmark = [pytest.mark.alone, pytest.mark.timeout(600)]
 REST = {"real": 4.0, "simulated": 60.0}  # s until the arm is at rest with its brakes on
 TIMES = 1  # by default; that it holds at any moment is shown in stepped time
 FLUSHED = 0.2  # s, after which a sample is on the disk
+LONG = {"kind": "excitation", "parameters": {"cycles": 240}}  # some seconds, however fast it is
 
 
 def pytest_generate_tests(metafunc):
@@ -141,8 +142,7 @@ def test_a_signal_stops_the_arm_while_the_daemon_stands_still(bench, took_to_res
 def test_worker(bench, moment, took_to_rest):
     """A job ends, nothing else: the arm goes on until it is stopped."""
     moving = bench.start_moving(0.0)
-    long = {"kind": "excitation", "parameters": {"cycles": 60}}
-    job = bench.client.start("experiments/check", long)
+    job = bench.client.start("experiments/check", LONG)
     wait_for_work(bench)
     time.sleep(moment)
     kill_workers(bench)
