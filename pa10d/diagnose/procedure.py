@@ -15,7 +15,7 @@ from pa10d.diagnose.search.begun import Begun, begin
 from pa10d.diagnose.search.bent_laws import bent_laws
 from pa10d.diagnose.search.candidates import absorbed
 from pa10d.diagnose.search.corners import sharpened
-from pa10d.diagnose.search.course import searched
+from pa10d.diagnose.search.course import Only, searched
 from pa10d.diagnose.search.finished import Finished, finished
 from pa10d.diagnose.search.frozen import as_it_stood
 from pa10d.diagnose.search.steps import Search
@@ -39,7 +39,7 @@ def diagnose(
     validate: Sequence[Recording] = (),
     *,
     frozen: bool = False,
-    only: tuple[str, Sequence[int]] | None = None,
+    only: Only | None = None,
     steps: int | None = None,
     progress: Progress | None = None,
     cancel: Callable[[], bool] | None = None,
@@ -86,7 +86,7 @@ def _told(
     search: Search,
     no_effect: NoEffects,
     end: Finished,
-    only: tuple[str, Sequence[int]] | None,
+    only: Only | None,
     say: Progress,
 ) -> Diagnosis:
     """All that was found, and what is left after it, together."""

@@ -63,21 +63,19 @@ PLAN, PACED, ROWS = "plan.json", "paced.json", "rows.npy"
 @dataclass(frozen=True)
 class _Servo:
     """How the motion is followed. figures: of joints that were measured, None where none were;
-    gains: of a plain servo; under_way: in a first motion, which measures them; ahead: it is given
-    what was measured."""
+    gains: of a plain servo; under_way: in a first motion, which measures them."""
 
     figures: JointFigures | None
     gains: PidGains
     under_way: bool
-    ahead: bool
 
     @staticmethod
-    def of(profile: Profile, robot: Robot, joints: Mapping[str, Any] | None, ahead: bool) -> _Servo:
+    def of(profile: Profile, robot: Robot, joints: Mapping[str, Any] | None) -> _Servo:
         under_way = joints is not None and "gains" not in joints
         figures = None if joints is None else JointFigures.from_document(joints["figures"])
         known = joints is not None and not under_way
         measured = MeasuredJoints.from_document(joints) if joints is not None and known else None
-        return _Servo(figures, Tuned(profile, robot, measured).gains, under_way, ahead)
+        return _Servo(figures, Tuned(profile, robot, measured).gains, under_way)
 
     @property
     def measured(self) -> JointFigures | None:
@@ -123,7 +121,7 @@ def prepare_motion(
     told = json.loads((place / PLAN).read_text(encoding="utf-8"))
     plan, limits = Plan.from_dict(told), limits_of(robot)
     rate, bounds = found.control.rate, arm_limits(found, robot)  # says which limit is missing
-    servo = _Servo.of(found, bare, joints, ahead)
+    servo = _Servo.of(found, bare, joints)
     if not servo.under_way:
         carried = model is None and servo.figures is not None and ahead
         held = servo.gains if law == "pid" else Tuned.of(data, found, bare).gains  # beside it

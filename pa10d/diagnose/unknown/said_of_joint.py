@@ -221,7 +221,7 @@ def _sticks_together(one: OfJoint) -> str:
     return (
         f"; {percent(found.share)} of its squared error lies where what it shares with joint "
         f"{found.other + 1} stands still or turns round: for how long that sticks nobody knows. "
-        f"Elsewhere it keeps {times(found.rest / one.floor)} its floor: explained to it"
+        f"Elsewhere it keeps {times(found.rest / one.floor)} its floor"
     )
 
 
