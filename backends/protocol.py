@@ -49,6 +49,8 @@ class Feedback:
     status: NDArray[np.int64]  # (n,) words of the device's own (0: none), see device.py
     age: NDArray[np.int64]  # (n,) cycles since the value was fresh; 0 = this cycle
     temperature: Array | None = None  # (n,) °C, NaN until first heard; None: not measured
+    answers: NDArray[np.int64] | None = None
+    """(n,) of a period each that an axis has given since its fresh value before; None: one."""
 
 
 class Backend(Protocol):

@@ -40,6 +40,21 @@ class AxisInput:
     previous: int | None = None  # position in the one before
     repeats: int = 0  # cycles in a row with more than one TPDO
     short: int | None = None  # length of a frame that was too short
+    late: int = 0  # TPDOs that came before the SYNC of their cycle, since the one before
+    owed: int = 0  # answers to earlier SYNCs that may come yet
+
+    def catches_up(self, missed: int) -> int:
+        """It answers again, after so many cycles without: answers of these that came by now."""
+        self.owed += missed
+        late, self.late = self.late, 0
+        return self.pays(late)
+
+    def pays(self, extra: int) -> int:
+        """How many of so many TPDOs beside the one of a cycle answer earlier SYNCs: a drive that
+        stood still, or a bus that held frames back, gives them in a batch, a period each."""
+        paid = min(extra, self.owed)
+        self.owed -= paid
+        return paid
 
 
 class Exchange:
@@ -64,10 +79,10 @@ class Exchange:
         self._repeated: set[int] = set()  # axes with more than one TPDO in this cycle
         self._repeating: set[int] = set()  # … in the last one
         n = len(nodes)
-        self._raw = array("q", [0] * (4 * n))  # faster to write than numpy, shares its memory
-        self.position, self.torque, self.status, self.seen_in = np.frombuffer(
+        self._raw = array("q", [0] * (5 * n))  # faster to write than numpy, shares its memory
+        self.position, self.torque, self.status, self.seen_in, self.answers = np.frombuffer(
             self._raw, np.int64
-        ).reshape(4, n)  # counts, per mille, word, cycle
+        ).reshape(5, n)  # counts, per mille, word, cycle; answers since the cycle before
         self._out = bytearray().join(
             frame(0x200 + node, bytes(layout.size))
             for node, layout in zip(nodes, command, strict=True)
@@ -117,6 +132,7 @@ class Exchange:
                 self.axes[axis].short = length
             elif late:
                 self.counters.late += 1
+                self.axes[axis].late += 1
             else:
                 self._take_tpdo(axis, packet, offset + DATA)
 
@@ -135,14 +151,18 @@ class Exchange:
         layout, seen = self._feedback[axis], self.axes[axis]
         values = layout.struct.unpack_from(packet, start)
         position, torque, status = layout.order
+        raw, n = self._raw, len(self.axes)
         if seen.cycle == self.cycle:
             self.counters.repeated += 1
             self._repeated.add(axis)
-        elif seen.known:
-            seen.previous = seen.position
+            raw[axis + 4 * n] += seen.pays(1)
+        else:
+            missed = self.cycle - seen.cycle - 1
+            raw[axis + 4 * n] = 1 + seen.catches_up(missed) if missed or seen.late else 1
+            if seen.known:
+                seen.previous = seen.position
         seen.position, seen.status = values[position], values[status]
         seen.cycle, seen.known = self.cycle, True
-        raw, n = self._raw, len(self.axes)
         raw[axis], raw[axis + n] = seen.position, values[torque]
         raw[axis + 2 * n], raw[axis + 3 * n] = seen.status, self.cycle
         self._waiting.discard(axis)

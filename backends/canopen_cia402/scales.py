@@ -43,6 +43,7 @@ class Scales:
         np.multiply(exchange.torque, self._torque_of_per_mille, out=feedback.tau)
         feedback.status[:] = exchange.status
         np.subtract(exchange.cycle, exchange.seen_in, out=feedback.age)
+        feedback.answers = exchange.answers
 
     def per_mille(self, torque: Array) -> list[int]:
         """Joint-side torques (n,), N·m, as the drives want them, within the torque limits."""

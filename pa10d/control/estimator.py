@@ -16,13 +16,15 @@ CUTOFF = 50.0  # Hz: an order above the servo's bandwidth, an order below encode
 class SpeedEstimator:
     """First-order low-pass of the encoder's difference over the time that really passed.
 
-    A late cycle then is no fast joint, and cycles without a fresh value are bridged.
+    A late cycle then is no fast joint, nor is one that answers for several cycles at once; cycles
+    without a fresh value are bridged.
     """
 
     def __init__(self, n: int, period: float, cutoff: float = CUTOFF) -> None:
         self.dq = np.zeros(n)
         self.q = np.zeros(n)
         self._period, self._rate = period, 2.0 * np.pi * cutoff
+        self._one = np.ones(n, dtype=np.int64)
         self._last = np.zeros(n)  # rad, when an axis answered last
         self._seen = np.zeros(n)  # s, and when that was
         self._time = 0.0
@@ -30,12 +32,19 @@ class SpeedEstimator:
         self.update(self.q.copy(), np.zeros(n, dtype=np.int64), 0.0)  # compiled before it is needed
         self.restart()
 
-    def update(self, q: Array, age: NDArray[np.int64], time: float) -> None:
-        """q (n,) as read at ``time`` s, age (n,) cycles since it was fresh."""
+    def update(
+        self,
+        q: Array,
+        age: NDArray[np.int64],
+        time: float,
+        answers: NDArray[np.int64] | None = None,
+    ) -> None:
+        """q (n,) as read at ``time`` s, age (n,) cycles since it was fresh; answers: see
+        ``Feedback``."""
         if self._started:
             _advance(
-                q, age, time, time - self._time, 0.5 * self._period, self._rate,
-                self.q, self.dq, self._last, self._seen,
+                q, age, time, time - self._time, self._period, self._rate,
+                self.q, self.dq, self._last, self._seen, self._one if answers is None else answers,
             )  # fmt: skip
         else:
             self._started = True
@@ -49,12 +58,13 @@ class SpeedEstimator:
 
 
 @numba.njit(cache=True)
-def _advance(read, age, time, passed, shortest, rate, q, dq, last, seen):
+def _advance(read, age, time, passed, period, rate, q, dq, last, seen, answers):
     for j in range(len(q)):
         if age[j] != 0:
             q[j] += passed * dq[j]
             continue
-        gap = max(time - seen[j], shortest)
+        least = period * (answers[j] if answers[j] > 1 else 0.5)
+        gap = max(time - seen[j], least)
         share = 1.0 - math.exp(-rate * gap)
         dq[j] += share * ((read[j] - last[j]) / gap - dq[j])
         q[j] = last[j] = read[j]

@@ -127,7 +127,7 @@ class TorquePath:
         self.measured_q[:], self.tau[:] = feedback.q, feedback.tau
         self.temperature = feedback.temperature
         self._dq_before[:] = self.dq
-        self._speed.update(feedback.q, feedback.age, feedback.time)
+        self._speed.update(feedback.q, feedback.age, feedback.time, feedback.answers)
         moves = np.abs(self.dq) > CREEPS
         self._moved_at[moves] = self.time
         self._restless = moves if self._new else moves & self._restless

@@ -147,6 +147,23 @@ def test_a_late_cycle_is_no_fast_joint():
             assert abs(estimator.dq[0] - speed) < 0.02
 
 
+def test_several_answers_at_once_are_no_fast_joint():
+    """They come in batches after a drive or a bus stood still: a period each, however many."""
+    rng = np.random.default_rng(2)
+    estimator, speed, shown, asked = SpeedEstimator(1, PERIOD), 0.9, 0, 0
+    still = range(100, 180)
+    for k in range(300):
+        asked += 1
+        came = 0 if k in still else min(asked - shown, int(rng.integers(1, 12)))
+        shown += came
+        age = np.array([0 if came else 1])
+        estimator.update(np.array([speed * shown * PERIOD]), age, k * PERIOD, np.array([came]))
+        if k > 30:
+            assert estimator.dq[0] < speed + 0.02
+    assert shown == asked
+    assert abs(estimator.dq[0] - speed) < 0.02
+
+
 def small_model(robot) -> TorqueModel:
     """Rigid bodies of the URDF with friction, a spring and a late torque sensor."""
     base = base_parameters(robot)

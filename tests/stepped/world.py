@@ -60,6 +60,7 @@ class World:
         self._to_arm: list[bytes] = []
         self._to_control: list[bytes] = []
         self._asleep = {"control": 0.0, "arm": 0.0}  # until when each stands still
+        self.at_once = sys.maxsize  # packets that the arm takes in before others run again
         self._story: Story = iter(())
         self._condition: Callable[[], bool] = lambda: True
         self._since, self._said_alive = 0.0, 0.0
@@ -264,7 +265,7 @@ class World:
     # --- inside ---
 
     def _arm_runs(self) -> None:
-        while self._to_arm:
+        for _ in range(min(len(self._to_arm), self.at_once)):
             packet = self._to_arm.pop(0)
             self.drives.handle(packet)
             self._look()
