@@ -72,6 +72,7 @@ class ShapeParameter:
     blur: float = 0.0  # standard deviation, relative, over which the columns average
     step: float | Callable[[Shape], float] | None = None
     usual: float | None = None  # a value that a law of the field has, though it be an end
+    says: Mapping[float, str] = field(default_factory=dict, hash=False)  # a choice: what each means
 
     def step_at(self, shape: Shape) -> float:
         """How far a search that begins at this shape steps at first."""
@@ -120,6 +121,7 @@ class Value:
     beyond: at or beyond the end of what it may be, and so no estimate of it
     by_gain: how far a torque constant that is off by all of its value moves it, where its unit does
     not say so
+    means: of a choice, in words
     """
 
     value: float
@@ -129,6 +131,7 @@ class Value:
     determined: bool = True
     by_gain: float = 0.0
     beyond: bool = False
+    means: str = ""
 
     @property
     def std_error_random(self) -> float:
@@ -159,10 +162,11 @@ class Value:
             "std_error_random": None if assumed else self.std_error_random,
             "unit": self.unit,
             "determined": self.determined,
+            **({"means": self.means} if self.means else {}),
         }
 
     def __str__(self) -> str:
-        """``0.113 ± 0.02 N·m``, or that the data leave it open."""
+        """``0.113 ± 0.02 N·m``, a choice with what it means, or that the data leave it open."""
         if self.beyond:
             return "no estimate"
         if not self.determined:
@@ -170,12 +174,17 @@ class Value:
         value = rounded(self.value, 4)
         if self.std_error > 0.0:  # a choice has none
             value += f" ± {rounded(self.std_error, 2)}"
-        return f"{value}{self.unit_after}"
+        return f"{value}{self.unit_after}{self.meaning}"
 
     @property
     def unit_after(self) -> str:
         """As it stands behind a number: nothing where there is none."""
         return "" if self.unit == "1" else f" {self.unit}"
+
+    @property
+    def meaning(self) -> str:
+        """As it stands behind a choice: nothing where it has none."""
+        return f" ({self.means})" if self.means else ""
 
     def of_a_slide(self) -> Value:
         """The same where the joint does not turn but slide: newtons and metres."""
@@ -395,7 +404,8 @@ class Effect(ABC):
                 out[c.name] = out[c.name].whole_at(1.0)
         for s in self.shapes_in(shape):
             value, error = float(shape[s.name]), float(shape_errors.get(s.name, 0.0))
-            out[s.name] = Value(value, error, s.unit, determined=s.determined(value, error))
+            known, means = s.determined(value, error), s.says.get(value, "")
+            out[s.name] = Value(value, error, s.unit, determined=known, means=means)
         return out
 
     def beside_link(self, values: dict[str, Value], inertia: float) -> dict[str, Value]:

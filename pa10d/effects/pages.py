@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from pa10d.effects.base import Effect
+from pa10d.effects.base import Effect, ShapeParameter
 from pa10d.effects.portrait import Portrait
 
 SCOPES = {
@@ -100,10 +100,7 @@ def _parameters(kind: Effect) -> str:
     if kind.over:
         first, last = linear[0], linear[-1]
         rows = [(f"{first.name} … {last.name}", first.unit, first.lower, first.upper, "linear")]
-    how = {"log": "searched, by ratio", "linear": "searched", "choice": "tried: both values"}
-    if kind.over:
-        how["choice"] = "from the data"
-    rows += [(s.name, s.unit, s.lower, s.upper, how[s.scale]) for s in kind.shapes]
+    rows += [(s.name, s.unit, s.lower, s.upper, _found_how(kind, s)) for s in kind.shapes]
     return "\n".join(
         [
             "| parameter | unit | from | to | found how |",
@@ -114,6 +111,15 @@ def _parameters(kind: Effect) -> str:
             ),
         ]
     )
+
+
+def _found_how(kind: Effect, shape: ShapeParameter) -> str:
+    if shape.scale != "choice":
+        return "searched, by ratio" if shape.scale == "log" else "searched"
+    if kind.over:
+        return "from the data"
+    means = [f"{value:g} ({words})" for value, words in sorted(shape.says.items())]
+    return f"tried: {', '.join(means) or 'both values'}"
 
 
 def _bound(value: float) -> str:
@@ -130,7 +136,10 @@ def caption(kind: Effect, picture: Portrait) -> str:
     assert example is not None
     covariance = np.zeros((len(example.coefficients),) * 2)
     reported = kind.values(np.array(example.coefficients), covariance, example.shape, {})
-    told = [f"{name} = {value.value:.3g}{value.unit_after}" for name, value in reported.items()]
+    told = [
+        f"{name} = {value.value:.3g}{value.unit_after}{value.meaning}"
+        for name, value in reported.items()
+    ]
     where = "the torque" if kind.scope == "robot" else "the effect"
     text = f"The PA10: {picture.text}; {where} on {picture.joint}, with {', '.join(told)}."
     if not np.array_equal(picture.left, picture.torque):

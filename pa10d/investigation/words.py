@@ -68,9 +68,9 @@ def found_words(found: Diagnosis) -> str:
 
 
 def _sized(name: str, size: Value) -> str:
-    """``F = 1.12 ± 0.06 N·m``; what was chosen, not fitted, has no error: ``ratio = 1``."""
+    """``F = 1.12 ± 0.06 N·m``; what was chosen, not fitted, has no error but a meaning."""
     error = f" ± {rounded(size.std_error, 1)}" if size.std_error else ""
-    return f"{name} = {rounded(size.value, 3)}{error} {size.unit}".removesuffix(" 1")
+    return f"{name} = {rounded(size.value, 3)}{error}{size.unit_after}{size.meaning}"
 
 
 def identified_words(found: FitSummary) -> str:

@@ -137,7 +137,7 @@ def _parameters(finding: Finding) -> Table:
         low, high = v.value - 1.96 * v.std_error, v.value + 1.96 * v.std_error
         rows.append(
             [
-                name, rounded(v.value, 4) if v.determined else str(v),
+                name, rounded(v.value, 4) if v.determined and not v.means else str(v),
                 f"± {rounded(v.std_error, 2)}" if known else "–",
                 f"{rounded(low, 4)} … {rounded(high, 4)}" if known else "–",
                 "" if v.unit == "1" else v.unit,

@@ -37,11 +37,12 @@ class Document(BaseModel):
 
 
 class ParameterValue(Document):
-    """A fitted parameter."""
+    """A fitted parameter; means: of a choice, in words."""
 
     value: float
     std_error: float | None
     unit: str
+    means: str = ""
 
 
 class Confusion(Document):

@@ -19,7 +19,14 @@ class Contact(Effect):
     coefficients = (Coefficient("k", "N·m/rad", lower=0.0),)
     shapes = (
         ShapeParameter("qs", "rad", -10.0, 10.0, "linear", step=0.08),
-        ShapeParameter("side", "1", -1.0, 1.0, "choice"),
+        ShapeParameter(
+            "side",
+            "1",
+            -1.0,
+            1.0,
+            "choice",
+            says={1.0: "above qs", -1.0: "below qs"},
+        ),
     )
     repeatable = True
     otherwise = "spring"

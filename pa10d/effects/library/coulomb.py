@@ -23,7 +23,15 @@ class Coulomb(Effect):
     coefficients = (Coefficient("Fc", "N·m", lower=0.0),)
     shapes = (
         ShapeParameter("v0", "rad/s", 1e-4, 1.0, "log", smoothing=True),
-        ShapeParameter("elsewhere", "1", 0.0, 1.0, "choice", optional=True),
+        ShapeParameter(
+            "elsewhere",
+            "1",
+            0.0,
+            1.0,
+            "choice",
+            optional=True,
+            says={1.0: "builds up over a way: told with the bristles"},
+        ),
     )
     signature = (
         "The error jumps when the joint turns round: as far above zero in one direction as below "

@@ -28,8 +28,26 @@ class CouplingFriction(Effect):
     reaches_other_joints = True
     coefficients = (Coefficient("F", "N·m", lower=0.0), Coefficient("D", "N·m·s/rad", lower=0.0))
     shapes = (
-        ShapeParameter("ratio", "1", -1.0, 1.0, "choice"),
-        ShapeParameter("viscous", "1", 0.0, 1.0, "choice", optional=True),
+        ShapeParameter(
+            "ratio",
+            "1",
+            -1.0,
+            1.0,
+            "choice",
+            says={
+                1.0: "rubs at the sum of their speeds",
+                -1.0: "rubs at the difference of their speeds",
+            },
+        ),
+        ShapeParameter(
+            "viscous",
+            "1",
+            0.0,
+            1.0,
+            "choice",
+            optional=True,
+            says={0.0: "no part of it grows with speed", 1.0: "a part of it grows with speed"},
+        ),
         ShapeParameter("v0", "rad/s", 1e-3, 0.3, "log", smoothing=True, optional=True),
     )
     signature = (

@@ -27,7 +27,15 @@ class LoadFriction(Effect):
     shapes = (
         ShapeParameter("v0", "rad/s", 1e-3, 0.3, "log", smoothing=True),
         ROTOR,
-        ShapeParameter("directional", "1", 0.0, 1.0, "choice", optional=True),
+        ShapeParameter(
+            "directional",
+            "1",
+            0.0,
+            1.0,
+            "choice",
+            optional=True,
+            says={0.0: "alike whoever drives", 1.0: "more while the motor drives the load"},
+        ),
         ShapeParameter("uneven", "1", 0.0, 1.0, optional=True),
     )
     signature = (

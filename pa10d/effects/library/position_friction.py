@@ -23,7 +23,14 @@ class PositionFriction(Effect):
     shapes = (
         ShapeParameter("qc", "rad", -10.0, 10.0, "linear", step=lambda s: 0.6 * s["w"]),
         ShapeParameter("w", "rad", NARROWEST, 1.5, "log", step=lambda s: 0.2 if s["wave"] else 0.7),
-        ShapeParameter("wave", "1", 0.0, 1.0, "choice"),
+        ShapeParameter(
+            "wave",
+            "1",
+            0.0,
+            1.0,
+            "choice",
+            says={0.0: "at one place", 1.0: "a wave"},
+        ),
     )
     uses_model = True
     carried = True

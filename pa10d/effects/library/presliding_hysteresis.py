@@ -20,7 +20,15 @@ class PreslidingHysteresis(Effect):
     coefficients = (Coefficient("F", "N·m", lower=0.0),)
     shapes = (
         ShapeParameter("zs", "rad", 1e-4, 0.2, "log"),
-        ShapeParameter("damped", "1", 0.0, 1.0, "choice", optional=True),
+        ShapeParameter(
+            "damped",
+            "1",
+            0.0,
+            1.0,
+            "choice",
+            optional=True,
+            says={0.0: "bristles without damping", 1.0: "damped bristles"},
+        ),
         ShapeParameter("lag", "s", 1e-4, 0.5, "log", optional=True),
     )
     signature = (

@@ -35,7 +35,17 @@ class ThermalFriction(Effect):
     )
     shapes = (
         ShapeParameter("T", "s", 2.0, 2000.0, "log"),
-        ShapeParameter("heated", "1", 0.0, 1.0, "choice"),
+        ShapeParameter(
+            "heated",
+            "1",
+            0.0,
+            1.0,
+            "choice",
+            says={
+                0.0: "warms with time, whatever the joint does",
+                1.0: "warms by its own friction",
+            },
+        ),
     )
     signature = (
         "In the same pose at the same speed, friction is lower late in the run than at its start."
