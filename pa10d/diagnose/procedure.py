@@ -103,7 +103,7 @@ def _told(
     ]
     verdict = "missing" if findings else "unknown" if over.unexplained else "none"
     later = end.versions[1:]
-    stored = later if frozen else fitted_to_all(model, later, begun.fit, held.runs)
+    stored = later if frozen else fitted_to_all(model, later, begun.fit, held.everywhere.runs)
     say(1.0, "done")
     return Diagnosis(
         verdict=verdict,  # type: ignore[arg-type]

@@ -140,12 +140,16 @@ def no_more_than(most: int, recordings: Sequence[Recording]) -> Sequence[Recordi
 
 
 def mask_of(runs: Sequence[RunResidual], mask: str = MASK) -> str:
-    """Which samples count, in words, where models with bristles leave out how they were bent."""
+    """Which samples count, in words, where models with bristles leave out how they were bent, and
+    those in which joints share surfaces leave out where these stick."""
     bent = sorted({joint for run in runs for joint in run.bent})
-    if not bent:
-        return mask
-    whose = "its" if len(bent) == 1 else "their"
-    return f"{mask}, {joint_words(bent)} once {whose} bristles have slid"
+    if bent:
+        whose = "its" if len(bent) == 1 else "their"
+        mask += f", {joint_words(bent)} once {whose} bristles have slid"
+    sharing = sorted({joint for run in runs for joint in run.sharing})
+    if sharing:
+        mask += f", {joint_words(sharing)} where what they share slips"
+    return mask
 
 
 def judged(model: str, runs: Sequence[RunResidual], mask: str = MASK) -> Judgement:

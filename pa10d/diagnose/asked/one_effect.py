@@ -50,6 +50,7 @@ def add(
             )
             continue
         search.state.push(best.term)  # the search may have gone on with a copy
+        search.state = search.state.where_shared_slips()
         search.settle(rounds=1)
     state = search.state
     if len(state.terms) == given:
@@ -68,6 +69,6 @@ def add(
     added = ", ".join(t.label for t in state.terms[given:])
     made = snapshot(model, state, len(state.terms), begun.as_given)
     warnings += unseen(made, state, given).values()
-    (made,) = fitted_to_all(model, [made], begun.fit, state.held.runs)
+    (made,) = fitted_to_all(model, [made], begun.fit, state.held.everywhere.runs)
     warnings += said(made)
     return replace(made, name=name, change=f"added {added}"), warnings

@@ -20,7 +20,6 @@ from pa10d.diagnose.unknown.claims import Unnamed
 from pa10d.diagnose.unknown.left_over import LeftOver, unsaid
 from pa10d.diagnose.unknown.of_joint import KnownBesides
 from pa10d.diagnose.unknown.remaining import Remaining, remaining
-from pa10d.diagnose.unknown.stuck_together import stuck_together
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,6 @@ def rest_of(
         beside=over.beside,
         knocked={j: found.words for j, found in knocked.items()},
         outdone=search.outdone,
-        together=stuck_together(end.versions[-1], seen),
         most_noise=most_noise(state),
         usual=state.usual,
         lacked=begun.model.noise,

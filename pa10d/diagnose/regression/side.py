@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -16,6 +16,7 @@ from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model import Term, TorqueModel
 from pa10d.regression.equation import RunEquation
 from pa10d.regression.per_joint import Mask, PerJoint, gathered
+from pa10d.regression.shared_surfaces import where_shared_slips
 from pa10d.regression.winding import seen_by
 
 Array = NDArray[np.float64]
@@ -28,12 +29,14 @@ class Side:
     runs      the equations, in order
     contexts  their motion, with the loads and torques of the model that they are seen through
     silent    joints of which no sample counts, and why
+    all_moments  the same before moments were left out in which what joints share sticks
     kept_by_evidence  of run and joint: what evidence works out of their motion alone
     """
 
     runs: tuple[RunEquation, ...]
     contexts: tuple[Context, ...]
     silent: Mapping[int, str] = field(default_factory=dict)
+    all_moments: Side | None = None
     kept_by_evidence: dict[tuple[int, int], Any] = field(default_factory=dict, repr=False)
 
     @classmethod
@@ -72,13 +75,30 @@ class Side:
 
     def shifted(self, seconds: float) -> Side:
         """The same with the torque of all runs taken ``seconds`` later than it is now."""
-        later = tuple(run.later(seconds) for run in self.runs)
-        return replace(self, runs=later, kept_by_evidence={})
+        return self._of_runs(lambda run: run.later(seconds))
 
     def behind(self, channel: TorqueFilter | None) -> Side:
         """The same with columns that pass such a torque channel."""
-        runs = tuple(replace(r, lowpass=replace(r.lowpass, channel=channel)) for r in self.runs)
-        return replace(self, runs=runs, kept_by_evidence={})
+        return self._of_runs(lambda r: replace(r, lowpass=replace(r.lowpass, channel=channel)))
+
+    def where_shared_slips(self, terms: Sequence[Term]) -> Side:
+        """The same without moments in which surfaces stick that any of these terms share."""
+        whole = self.everywhere
+        runs = tuple(where_shared_slips(run, terms) for run in whole.runs)
+        if all(run is one for run, one in zip(runs, whole.runs, strict=True)):
+            return replace(whole, contexts=self.contexts)
+        return replace(self, runs=runs, all_moments=whole, kept_by_evidence={})
+
+    @property
+    def everywhere(self) -> Side:
+        """The same with all moments in which joints move, whatever they share."""
+        return self.all_moments or self
+
+    def _of_runs(self, changed: Callable[[RunEquation], RunEquation]) -> Side:
+        """The same of changed runs."""
+        whole = None if self.all_moments is None else self.all_moments._of_runs(changed)
+        runs = tuple(changed(run) for run in self.runs)
+        return replace(self, runs=runs, all_moments=whole, kept_by_evidence={})
 
     def through(self, model: TorqueModel) -> Side:
         """The same with the loads and torques of a model."""

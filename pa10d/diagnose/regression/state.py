@@ -75,7 +75,7 @@ class SearchState:
         state.relook()
         if any(term.effect.uses_model for term in state.terms):
             state.refit()
-        return state
+        return state.where_shared_slips()
 
     @property
     def unknowns(self) -> Unknowns:
@@ -137,10 +137,22 @@ class SearchState:
 
     def behind(self, channel: TorqueFilter) -> SearchState:
         """A refitted copy of which all columns pass such a torque channel."""
-        kept = self.model.base.kept
         train, held = self.train.behind(channel), self.held.behind(channel)
-        model, rigid = replace(self.model, channel=channel), (train.rigid(kept), held.rigid(kept))
-        copy = replace(self, model=model, train=train, held=held, rigid=rigid)
+        return replace(self, model=replace(self.model, channel=channel))._of(train, held)
+
+    def where_shared_slips(self) -> SearchState:
+        """A refitted copy without moments in which what its terms let joints share sticks; itself
+        where those are what it leaves out."""
+        train, held = (side.where_shared_slips(self.terms) for side in (self.train, self.held))
+        sides = zip((train, held), (self.train, self.held), strict=True)
+        if all(_same_samples(one, other) for one, other in sides):
+            return self
+        return self._of(train, held)
+
+    def _of(self, train: Side, held: Side) -> SearchState:
+        """A refitted copy with other sides."""
+        kept = self.model.base.kept
+        copy = replace(self, train=train, held=held, rigid=(train.rigid(kept), held.rigid(kept)))
         copy.blocks = [copy._columns(term) for term in self.terms]
         copy.refit()
         return copy
@@ -293,6 +305,11 @@ class SearchState:
             self.train.columns_of_term(term),
             self.held.columns_of_term(term),
         )
+
+
+def _same_samples(one: Side, other: Side) -> bool:
+    runs = zip(one.runs, other.runs, strict=True)
+    return all(np.array_equal(a.keep, b.keep) for a, b in runs)
 
 
 def bodies_of(model: TorqueModel) -> Knowledge | None:

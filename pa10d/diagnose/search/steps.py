@@ -94,11 +94,21 @@ class Search:
         if self._exchanged():
             self._forward(steps, refused)
             self._without_unsure(steps, refused)
-        moved = self._in_time()
-        if self._behind_channel() or moved:
+        moved = [self._in_time(), self._behind_channel(), self._where_shared_slips()]
+        if any(moved):
             self._forward(steps, refused)
             self._without_unsure(steps, refused)
         return self
+
+    def _where_shared_slips(self) -> bool:
+        """Look at no moments any more in which what joints share sticks, now that it is known."""
+        without = self.state.where_shared_slips()
+        if without is self.state:
+            return False
+        self.state = without
+        self.settle()
+        self.prune()
+        return True
 
     def _exchanged(self) -> bool:
         """Put in the place of findings those of their rivals that are better by now."""

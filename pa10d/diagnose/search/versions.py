@@ -35,7 +35,7 @@ def versions_of(
 
 def held_out(model: TorqueModel, state: SearchState) -> list[RunResidual]:
     """The held-out side as a model sees it."""
-    return [residual_of(model, run) for run in state.held.runs]
+    return [residual_of(model, run) for run in state.held.everywhere.runs]
 
 
 def snapshot(
@@ -44,6 +44,7 @@ def snapshot(
     """The model with the first ``size`` terms, as the search fitted and judged it. Its note
     ``delivery`` has what the search promised and what the model as it is stored achieves."""
     part = state if size == len(state.terms) else with_first(state, size, given.terms)
+    part = part.where_shared_slips()
     refitted = size == len(given.terms)
     frozen = state.frozen
     known = stated(part, found_here(part, len(given.terms)))
@@ -86,7 +87,8 @@ def snapshot(
 def _own_noise(model: TorqueModel, part: SearchState) -> tuple[float, ...] | None:
     """(n,) N·m of the runs that it was fitted to, as it sees them: through what it was made from it
     was more. None where they do not show it of all joints."""
-    floor = noise_floor([residual_of(model, run) for run in part.train.runs]).values
+    runs = part.train.everywhere.runs
+    floor = noise_floor([residual_of(model, run) for run in runs]).values
     return tuple(floor.tolist()) if np.all(np.isfinite(floor)) else None
 
 

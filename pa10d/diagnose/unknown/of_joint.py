@@ -17,7 +17,6 @@ from pa10d.diagnose.unknown.geometry import OtherGeometry
 from pa10d.diagnose.unknown.goes_with import GoesWith
 from pa10d.diagnose.unknown.rubbing import OtherFriction
 from pa10d.diagnose.unknown.structure import Structure
-from pa10d.diagnose.unknown.stuck_together import StuckTogether
 from pa10d.judgement import Judgement
 from pa10d.judgement.repeatable import Repeatable
 from pa10d.model import Term
@@ -45,7 +44,6 @@ class KnownBesides:
     beside: whose rest a joint's own goes with
     knocked: in words, of those whose error lies in a few moments of the runs
     outdone: effects that would take such a share of it, of which a map leaves much less
-    together: where what a joint shares with another one sticks, and what it keeps elsewhere
     most_noise: N·m RMS, as much as is noise at most on the runs that the model was fitted to
 
     Of a model that stays as it was:
@@ -67,7 +65,6 @@ class KnownBesides:
     beside: Mapping[int, GoesWith] = field(default_factory=dict)
     knocked: Mapping[int, str] = field(default_factory=dict)
     outdone: Mapping[int, tuple[tuple[str, ...], float]] = field(default_factory=dict)
-    together: Mapping[int, StuckTogether] = field(default_factory=dict)
     most_noise: Array | None = None
     usual: Array | None = None
     lacked: Array | None = None

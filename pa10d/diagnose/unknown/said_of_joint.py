@@ -211,20 +211,6 @@ def _nothing_claimed(one: OfJoint) -> str:
     return f"; {told_in_passing(place)}: {why}. {ASK_AGAIN}"
 
 
-def _sticks_together(one: OfJoint) -> str:
-    """Of a joint that keeps no more than noise but where what it shares with another one sticks."""
-    found = one.known.together.get(one.joint)
-    if found is None or not one.material or not one.size_alone:
-        return ""
-    if not found.rest <= MATERIAL_REST * one.floor:
-        return ""
-    return (
-        f"; {percent(found.share)} of its squared error lies where what it shares with joint "
-        f"{found.other + 1} stands still or turns round: for how long that sticks nobody knows. "
-        f"Elsewhere it keeps {times(found.rest / one.floor)} its floor"
-    )
-
-
 def _explained(one: OfJoint) -> str:
     """No more than a floor is said of what is left than is known of that floor."""
     unsure = floor_error(one)
@@ -245,7 +231,6 @@ RULES: tuple[Callable[[OfJoint], str], ...] = (
     _other_geometry,
     _where_nobody_was,
     _depends,
-    _sticks_together,
     by_witness,
     _comes_again,
     _nothing_claimed,
