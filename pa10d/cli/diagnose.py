@@ -190,6 +190,7 @@ def in_words(found: Diagnosis) -> str:
     import numpy as np
 
     from pa10d.diagnose.outcome.words import headline
+    from pa10d.judgement import first_and_last
 
     n = len(found.rms)
     lines = [f"{found.heading}:" if found.findings else headline(found)]
@@ -229,7 +230,8 @@ def in_words(found: Diagnosis) -> str:
         ]
         for j in range(n)
     ]
-    where = f"judged on {found.judged_on}; low-pass {found.cutoff:g} Hz, {found.left.mask}"
+    mask = first_and_last(found.as_given, found.left)
+    where = f"judged on {found.judged_on}; low-pass {found.cutoff:g} Hz, {mask}"
     lines += [table(head, rows), where]
     if not found.frozen or found.beside:  # compare's figure is the given model's
         given = ", ".join(f"{v:.4g}" for v in found.as_given.rms)

@@ -137,6 +137,7 @@ def show(options: argparse.Namespace) -> Answer:
 
 def history(options: argparse.Namespace) -> Answer:
     """``model history``."""
+    from pa10d.judgement import first_and_last
     from pa10d.services.history import history as judged_alike
 
     versions = judged_alike(_library(options), options.model_, options.runs)
@@ -149,11 +150,10 @@ def history(options: argparse.Namespace) -> Answer:
             continue
         lines.append(f"  error     {_several(found.rms)} N·m")
         lines.append(f"  noise     {_several(found.floor.values)} N·m".replace("nan", "?"))
-    first, last = versions[0].info, versions[-1].judgement
-    if last is not None:
-        lines.append(
-            f"all judged on {', '.join(last.runs)}; low-pass {last.cutoff:g} Hz, {last.mask}"
-        )
+    first, judged = versions[0].info, [v.judgement for v in versions if v.judgement is not None]
+    if judged:
+        last, mask = judged[-1], first_and_last(judged[0], judged[-1])
+        lines.append(f"all judged on {', '.join(last.runs)}; low-pass {last.cutoff:g} Hz, {mask}")
     if first.parent is not None:
         lines.insert(0, f"{first.parent_name} ({first.parent}): not in this store")
     return Answer([version.document() for version in versions], "\n".join(lines))

@@ -152,6 +152,14 @@ def mask_of(runs: Sequence[RunResidual], mask: str = MASK) -> str:
     return mask
 
 
+def first_and_last(first: Judgement, last: Judgement) -> str:
+    """Which samples count for the last of several versions, in words, and for those before it,
+    which lack what leaves some of them out."""
+    if first.mask == last.mask:
+        return last.mask
+    return f"{last.mask} (before that was found: {first.mask})"
+
+
 def judged(model: str, runs: Sequence[RunResidual], mask: str = MASK) -> Judgement:
     """The same of runs that a model was held against already."""
     cutoff = runs[0].equation.lowpass.cutoff

@@ -15,6 +15,7 @@ from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.figures.diagnosis_texts import STAIRCASE
 from pa10d.figures.held_out import HeldOut
 from pa10d.figures.of_diagnosis import diagnosis_figures
+from pa10d.judgement import first_and_last
 from pa10d.report.blocks import Block, Cards, Lines, Plot, Section, Table, Text
 from pa10d.report.facts import Facts, Verdict
 from pa10d.report.finding_section import Asked, finding_section
@@ -128,8 +129,8 @@ def _figures(found: Diagnosis) -> Section:
         ])  # fmt: skip
     note = Text(
         f"RMS error on held-out data; measured and modelled torque both low-passed at "
-        f"{found.cutoff:g} Hz; samples {found.left.mask}. Noise floor: what a perfect model would "
-        "leave; how it was found stands with each joint above.",
+        f"{found.cutoff:g} Hz; samples {first_and_last(found.as_given, found.left)}. Noise floor: "
+        "what a perfect model would leave; how it was found stands with each joint above.",
         muted=True,
     )
     return Section("Figures", [Table(head, rows), note])

@@ -11,7 +11,7 @@ from sticking import motion
 from two_links import CUTOFF, NAMES, robot, textbook, textbook_torque
 
 from pa10d.diagnose.asked.one_effect import add
-from pa10d.judgement import judge, run_residual
+from pa10d.judgement import first_and_last, judge, run_residual
 from pa10d.measurement.recording import Recording
 from pa10d.model import Term
 from pa10d.regression.equation import prepare
@@ -87,3 +87,12 @@ def test_a_joint_that_would_keep_nothing_is_left_as_it_is():
     left = where_shared_slips(plain, [SHARED])
     assert np.array_equal(left.keep, plain.keep)
     assert np.array_equal(left.going, plain.going)
+
+
+def test_samples_of_the_versions_before_are_named_where_they_are_others():
+    """ "All judged on … where what they share slips" was said of versions that share nothing."""
+    run = [runs()["valid_a"]]
+    before, after = judge(textbook(runs()), run), judge(added(), run)
+    told = first_and_last(before, after)
+    assert told == f"{after.mask} (before that was found: {before.mask})"
+    assert first_and_last(after, after) == after.mask
