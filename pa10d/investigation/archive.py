@@ -23,7 +23,7 @@ from pa10d.investigation.state import Investigation, StepKind
 from pa10d.services.documents import Diagnose
 from pa10d.store.entries import SetAside, explained, read_entry, refuse_links
 from pa10d.store.folders import is_held, write_into
-from pa10d.store.location import data_folder
+from pa10d.store.location import folder_for
 from pa10d.store.names import free_name, resolve
 
 STATE, LOCK, REPORT, SHEET = "state.json", "carried-out", "report.html", "sheet"
@@ -41,8 +41,7 @@ class Archive:
     """All investigations of a data folder."""
 
     def __init__(self, data: str | os.PathLike[str] | None = None) -> None:
-        self.folder = data_folder(data) / "investigations"
-        self.folder.mkdir(exist_ok=True)
+        self.folder = folder_for("investigations", data)
 
     def all(self) -> list[Investigation]:
         """All that can be read, oldest first."""

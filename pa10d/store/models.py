@@ -16,7 +16,7 @@ from pa10d.common.yamlfile import BROKEN, LARGEST, refuse_traps
 from pa10d.model import TorqueModel
 from pa10d.store.entries import SetAside, explained, read_entry
 from pa10d.store.folders import locked, write_text
-from pa10d.store.location import data_folder
+from pa10d.store.location import folder_for
 from pa10d.store.model_info import ModelInfo
 from pa10d.store.model_parse import info_of, read_model
 from pa10d.store.model_schema import ModelFile
@@ -30,8 +30,7 @@ class ModelStore:
     """All models under one data folder. A file put there by hand is a model too."""
 
     def __init__(self, data: str | os.PathLike[str] | None = None) -> None:
-        self.folder = data_folder(data) / "models"
-        self.folder.mkdir(exist_ok=True)
+        self.folder = folder_for("models", data)
         self._known: dict[Path, tuple[tuple[int, int, int], ModelInfo | SetAside]] = {}
 
     def all(self) -> list[ModelInfo]:

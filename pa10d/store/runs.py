@@ -18,7 +18,7 @@ from pa10d.profile import Profile
 from pa10d.store.channels import Channels
 from pa10d.store.entries import SetAside
 from pa10d.store.folders import NEW, discard, is_held, locked, sweep
-from pa10d.store.location import data_folder
+from pa10d.store.location import folder_for
 from pa10d.store.names import checked_name, free_name, resolve
 from pa10d.store.room import refuse_without_room, size_of_run
 from pa10d.store.run_info import BAG, FILE, KeptFinding, RunInfo, load_info, new_info
@@ -31,11 +31,11 @@ class RunStore:
     """All runs under one data folder. Opening it repairs what a killed recorder left behind."""
 
     def __init__(self, data: str | os.PathLike[str] | None = None) -> None:
-        self.folder = data_folder(data) / "runs"
-        self.folder.mkdir(exist_ok=True)
+        self.folder = folder_for("runs", data)
         self._known: dict[Path, tuple[Version, RunInfo | SetAside]] = {}
         sweep(self.folder, BAG)
         self.repaired = self.repair()
+        self._part_names()
 
     def all(self) -> list[RunInfo]:
         """All runs, oldest first."""
@@ -222,6 +222,23 @@ class RunStore:
                 if info.status == "started" and not is_held(bag):
                     repaired.append(repair_run(bag.parent, info))
         return repaired
+
+    def _part_names(self) -> None:
+        """Where power went as a run took the place of another both have its name: the newer one
+        keeps it."""
+        names = [info.name for info in self.all()]
+        if len(set(names)) == len(names):
+            return
+        with contextlib.suppress(UserError, OSError), locked(self.folder):
+            there = self.all()
+            taken, newest = {info.name for info in there}, {info.name: info.id for info in there}
+            for info in there:
+                if newest[info.name] == info.id or info.status == "started":
+                    continue
+                name = free_name(info.name, taken)
+                taken.add(name)
+                said = f"was called {info.name!r} until a newer run had that name"
+                info.but(name=name, warnings=(*info.warnings, said)).save(self.path(info))
 
     def _scan(self) -> Iterator[RunInfo | SetAside]:
         with os.scandir(self.folder) as entries:

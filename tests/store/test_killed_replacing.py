@@ -41,7 +41,7 @@ def killed_at(moment, work):
 @pytest.mark.long
 def test_the_name_is_always_that_of_a_whole_run(tmp_path):
     """Of the old one until the new one has ended well; where both have it for a moment, the new
-    one is meant. The old one goes only then."""
+    one keeps it. The old one goes only then."""
     moment, meant = 0, []
     while True:
         moment += 1
@@ -56,6 +56,8 @@ def test_the_name_is_always_that_of_a_whole_run(tmp_path):
         assert not store.set_aside()
         for run in store.all():
             assert run.id in (old.id, found.id) or run.status != "success" or run.name == "a-2"
+        names = [run.name for run in store.all()]
+        assert len(set(names)) == len(names)
         meant.append(found.id == old.id)
         if not killed:
             break

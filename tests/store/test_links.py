@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 
 import pytest
 from store_data import channels, samples
@@ -42,6 +43,26 @@ def torn(tmp_path):
     with (folder / BAG).open("ab") as file:
         file.write(b"torn off")
     return folder
+
+
+@pytest.mark.parametrize("opened", [RunStore, ModelStore, Archive, Weighings])
+def test_a_link_whose_disk_is_gone_is_told(tmp_path, opened):
+    """It was said that the file exists."""
+    folder = opened(tmp_path / "data").folder
+    folder.rmdir() if folder.name != "runs" else shutil.rmtree(folder)
+    folder.symlink_to(tmp_path / "larger disk")
+    with pytest.raises(UserError, match=f"/{folder.name}: found a link to .*/larger disk, which"):
+        opened(tmp_path / "data")
+    (tmp_path / "larger disk").mkdir()
+    assert opened(tmp_path / "data").all() == []
+
+
+def test_so_is_a_file_in_the_place_of_a_folder(tmp_path):
+    (tmp_path / "runs").touch()
+    with pytest.raises(UserError, match="/runs: found a file; expected a folder for runs, or a li"):
+        RunStore(tmp_path)
+    with pytest.raises(UserError, match="/runs: found a file; expected a folder for runs and mode"):
+        RunStore(tmp_path / "runs")
 
 
 def _reopened(folder):

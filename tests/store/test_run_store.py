@@ -124,18 +124,31 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(store, monkeypatch):
 
 
 def test_a_crash_between_new_and_old_keeps_both(store):
-    """The new run had taken the name when the power went: it is meant by it, the old one stays."""
+    """The new run had taken the name when the power went: it keeps it, and the old one is told
+    apart, for by its name nobody could mean it any more."""
     old = _build(store, "one", seed=1)
     new = _build(store, "two", seed=2)
     new.but(name="one").save(store.path(new))
     again = RunStore(store.folder.parent)
-    assert [info.id for info in again.all()] == [old.id, new.id]
-    assert again.find("one").id == new.id
+    assert [(info.id, info.name) for info in again.all()] == [(old.id, "one-2"), (new.id, "one")]
+    (said,) = again.find("one-2").warnings
+    assert said == "was called 'one' until a newer run had that name"
+    np.testing.assert_array_equal(again.read("one-2").samples.q, samples(120, seed=1).q)
     writer = again.start("one", channels(), replace=True)
     writer.append(samples())
     third = writer.close()
     assert third.name == "one", "each later one was called one-2: another had taken the name"
     assert [info.id for info in again.all()] == [old.id, third.id]
+
+
+def test_a_run_that_is_being_recorded_keeps_its_name(store):
+    """Its writer would write it back."""
+    writer = store.start("one", channels())
+    new = _build(store, "two")
+    new.but(name="one").save(store.path(new))
+    names = [info.name for info in RunStore(store.folder.parent).all()]
+    writer.close()
+    assert names == ["one", "one"]
 
 
 def test_what_a_killed_import_left_is_swept_once_it_is_old(store):

@@ -12,7 +12,7 @@ from pa10d.services.tuning.versions import folder_of, versions_in
 from pa10d.services.weighing.state import Weighing
 from pa10d.store.entries import SetAside, explained, read_entry, refuse_links
 from pa10d.store.folders import write_into
-from pa10d.store.location import data_folder
+from pa10d.store.location import folder_for
 from pa10d.store.names import checked_name, free_name, resolve
 
 STATE = "state.json"
@@ -25,8 +25,7 @@ class Weighings:
 
     def __init__(self, data: str | os.PathLike[str] | None = None) -> None:
         self._data = data
-        self.folder = data_folder(data) / "weighings"
-        self.folder.mkdir(exist_ok=True)
+        self.folder = folder_for("weighings", data)
 
     def all(self) -> list[Weighing]:
         """All that can be read, oldest first."""
