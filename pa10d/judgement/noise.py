@@ -68,6 +68,14 @@ class NoiseFloor:
     errors: Array
     slow: Array
 
+    @property
+    def hardly_known(self) -> NDArray[np.bool_]:
+        """(n,) True where it may as well be nothing: its error is as large as itself. How sure that
+        of the model's own runs was nobody noted; a motion that comes again shows it for certain."""
+        again = np.array([method == REPEATS for method in self.methods])
+        with np.errstate(invalid="ignore"):
+            return np.asarray(self.errors >= self.values) & (self.values > 0.0) & ~again
+
     def document(self) -> JsonObject:
         """As JSON; null: not known from this data."""
         return {

@@ -12,6 +12,7 @@ from pa10d.compare.places import Place
 from pa10d.compare.quantities import Quantity
 from pa10d.compare.regions import Region
 from pa10d.diagnose.evidence.held_out import Evidence
+from pa10d.diagnose.outcome.words import nothing
 from pa10d.diagnose.unknown.as_it_stood import OneChange, alone_words
 from pa10d.diagnose.unknown.claims import Unnamed, doubtful, material, unnamed
 from pa10d.diagnose.unknown.of_joint import KnownBesides
@@ -345,4 +346,29 @@ def test_a_floor_that_is_not_known_at_all_asks_for_a_repeat():
     assert said.sentence.endswith(
         "this data cannot say how much of it is noise. Record one motion twice: what comes again "
         "is none."
+    )
+
+
+@pytest.mark.parametrize(
+    ("source", "error", "hardly"),
+    [
+        ("high frequencies", 1.2, True),
+        ("high frequencies", 0.6, False),
+        ("the model's own runs", np.nan, False),
+        ("repeated motion", 1.2, False),
+    ],
+)
+def test_headline_and_line_agree_on_how_well_noise_is_known(source, error, hardly):
+    """ "What the model leaves over is measurement noise" stood above "this data cannot say how much
+    of it is noise", which was also said of a floor that the model's own runs had shown."""
+    floor = NoiseFloor(np.array([0.1]), (source,), np.array([0.1 * error]), np.ones(1))
+    left = Judgement("m", ("run",), 10.0, np.array([0.1]), floor)
+    (said,) = remaining(left, [None], [], ["N·m"])
+    assert ("says next to nothing" in said.sentence) == hardly
+    assert ("explained to the floor, as far as that is known" in said.sentence) == (not hardly)
+    joints = np.flatnonzero(floor.hardly_known).tolist()
+    headline = nothing(left.rms, floor.values, frozen=False, hardly_known=joints)
+    assert ("of the noise of joint 1 this data says next to nothing" in headline) == hardly
+    assert headline.startswith(
+        "Nothing is missing that shows: " if hardly else "Nothing is missing: "
     )

@@ -266,6 +266,7 @@ def test_what_the_band_hides_is_said_where_nothing_was_found_in_it():
         rms=[0.1, 0.1],
         as_given=SimpleNamespace(rms=[0.1, 0.1]),
         noise_floor=[0.1, 0.1],
+        left=SimpleNamespace(floor=SimpleNamespace(hardly_known=np.zeros(2, dtype=bool))),
         with_reversals=None,
         knocked=(0,),
         above_band={1: "an error that comes again 72 times a turn"},

@@ -98,10 +98,11 @@ def nothing(
     frozen: bool,
     as_given: ArrayLike | None = None,
     with_reversals: ArrayLike | None = None,
+    hardly_known: Sequence[int] = (),
 ) -> str:
     """The verdict where nothing was found, (n,) N·m each; it owns up to errors far above noise, to
-    those of the model as it was given that a new fit of the same terms took away, and to those near
-    reversals, which are not judged."""
+    those of the model as it was given that a new fit of the same terms took away, to those near
+    reversals, which are not judged, and to joints (0-based) whose noise is hardly known."""
     floor = np.array([np.nan if f is None else f for f in np.atleast_1d(noise_floor)], dtype=float)
     floor = np.where(floor > 0.0, floor, np.nan)  # no floor, no claim
     ratio = np.asarray(rms) / floor
@@ -116,6 +117,11 @@ def nothing(
         )
     if not len(large):
         said = f"{first}: what the model leaves over on new data is measurement noise."
+        if hardly_known:
+            said = (
+                f"{first} that shows: what the model leaves over on new data is measurement noise, "
+                f"but of the noise of {joint_words(hardly_known)} this data says next to nothing."
+            )
         said += _gone_by_refit(ratio if as_given is None else np.asarray(as_given) / floor)
         return said + _left_out(
             ratio if with_reversals is None else np.asarray(with_reversals) / floor
@@ -241,7 +247,8 @@ def none_found(found: Diagnosis) -> str:
     if found.stood:
         return f"Whether something has changed this data cannot say: {found.stood}."
     given = found.rms if found.beside else found.as_given.rms  # else its values were off
-    said = nothing(found.rms, found.noise_floor, found.frozen, given, found.with_reversals)
+    hardly = np.flatnonzero(found.left.floor.hardly_known).tolist()
+    said = nothing(found.rms, found.noise_floor, found.frozen, given, found.with_reversals, hardly)
     if found.knocked:
         leaves = "leaves" if len(found.knocked) == 1 else "leave"
         said += f" Most of what {joint_words(found.knocked)} {leaves} lies in a few moments."

@@ -32,7 +32,6 @@ from pa10d.diagnose.unknown.said_besides import (
 from pa10d.diagnose.unknown.said_by_witness import by_witness
 from pa10d.diagnose.unknown.size_words import ASK_AGAIN, floor_error, keeps
 from pa10d.diagnose.unknown.structure import Structure, moving_of
-from pa10d.judgement.noise import REPEATS
 
 
 def said_of_joint(one: OfJoint) -> str:
@@ -216,12 +215,12 @@ def _explained(one: OfJoint) -> str:
     unsure = floor_error(one)
     if unsure <= UNSURE_FLOOR:
         return ": explained to the floor"
-    if unsure < 1.0 or one.source == REPEATS:
-        return ": explained to the floor, as far as that is known"
-    return (
-        ": a floor so unsure says next to nothing, and this data cannot say how much of it is "
-        "noise. Record one motion twice: what comes again is none"
-    )
+    if one.judged.floor.hardly_known[one.joint]:
+        return (
+            ": a floor so unsure says next to nothing, and this data cannot say how much of it is "
+            "noise. Record one motion twice: what comes again is none"
+        )
+    return ": explained to the floor, as far as that is known"
 
 
 RULES: tuple[Callable[[OfJoint], str], ...] = (
