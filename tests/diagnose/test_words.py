@@ -1,14 +1,15 @@
 """The verdict in words."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from two_links import motion, recordings, state_of, textbook, textbook_torque
+from two_links import motion, recordings, robot, state_of, textbook, textbook_torque
 
 from pa10d.diagnose.outcome.diagnosis import Finding
 from pa10d.diagnose.outcome.doubts import _beside_more, _or_base
-from pa10d.diagnose.outcome.found import sized
+from pa10d.diagnose.outcome.found import _size, sized
 from pa10d.diagnose.outcome.words import none_found, nothing, sentence
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
@@ -275,3 +276,16 @@ def test_what_the_band_hides_is_said_where_nothing_was_found_in_it():
         " Most of what joint 1 leaves lies in a few moments."
         " That is what the low-pass lets through: above it there is more on joint 2."
     )
+
+
+def test_the_size_of_an_effect_is_as_unsure_as_its_torque_constant():
+    """A card told of 3 ± 0.003 N·m, the table below it of F = 3 ± 0.15."""
+    term = Term("coulomb", (1,), np.array([3.0]), {"v0": 0.01})
+    state = SimpleNamespace(
+        blocks=[(None, {1: np.array([[1.0], [-1.0]])})],
+        terms=[term],
+        model=SimpleNamespace(robot=replace(robot(), gain_error=np.array([0.5, 0.05]))),
+    )
+    told = _size(state, 0, SimpleNamespace(evidence=SimpleNamespace(slope=1.0, z=1000.0)))
+    assert (told.value, told.unit) == (3.0, "N·m")
+    assert told.std_error == pytest.approx(np.hypot(0.05 * 3.0, 0.003))

@@ -112,16 +112,17 @@ def _size_told(term: Term, parameters: Mapping[str, Value]) -> bool:
 
 
 def _size(state: SearchState, index: int, judged: JudgedCandidate) -> Value:
-    """RMS of the torque where it acts most; its error follows from the held-out slope."""
+    """RMS of the torque where it acts most; its error follows from the held-out slope, and from the
+    torque constant's, as that of every other figure."""
     columns = state.blocks[index][1]
     torque = {j: c @ state.terms[index].coefficients for j, c in columns.items()}
     acted = {j: float(np.sqrt(np.mean(v**2))) for j, v in torque.items()}
     where = max(acted, key=lambda j: acted[j])
     largest = acted[where]
     z = max(abs(judged.evidence.z), 1e-9)
-    return Value(
-        largest, largest * abs(judged.evidence.slope) / z, state.model.robot.torque_unit(where)
-    )
+    robot, error = state.model.robot, largest * abs(judged.evidence.slope) / z
+    known = Value(largest, error, robot.torque_unit(where))
+    return known.with_gain_error(robot.gain_share((where,)))
 
 
 def _confusion(term: Term, other: Candidate) -> Confusion:
