@@ -81,6 +81,12 @@ def _travel(run: RunResidual, term: Term, joint: int) -> Array:
     return run.decimated(since_reversal(run.seen.q[:, j], run.seen.dq[:, j], run.seen.dt)[1])
 
 
+def _slip(run: RunResidual, term: Term, joint: int) -> Array:
+    speed = term.effect.slips(run.seen, term.joints, term.shape)
+    assert speed is not None, f"{term.effect_id} is drawn against a slip that it does not have"
+    return run.decimated(speed)
+
+
 def _rate(run: RunResidual, term: Term, joint: int) -> Array:
     total = run.seen.total[:, _own(term, joint)]
     return run.equation.lowpass(np.gradient(total, run.seen.dt))
@@ -101,6 +107,7 @@ QUANTITIES: dict[str, ViewAxis] = {
                          lambda r, t, j: r.decimated(r.seen.dq[:, _other(t, j)])),
     "other_ddq": ViewAxis("acceleration of joint {other}, {angle}/s²",
                           lambda r, t, j: r.equation.lowpass(r.seen.ddq[:, _other(t, j)])),
+    "slip": ViewAxis("speed at which what joints {own} and {other} share slips, {angle}/s", _slip),
     "load": ViewAxis("torque that joint {own} passes to the links, {unit}", _load),
     "size of load": ViewAxis("size of the torque that joint {own} passes to the links, {unit}",
                              lambda r, t, j: np.abs(_load(r, t, j))),

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, View
 
 SHARP = 1e-3
 """rad/s over which the sign is smoothed where the data do not say. What slips turns round while
@@ -67,6 +67,7 @@ class CouplingFriction(Effect):
         "Such drives have it: keep it in the model. Where it has grown, look at belt tension and "
         "the shared gear's lubrication."
     )
+    view = View("slip")
     example = Example((4.0, 1.0), against="other_dq", shape={"ratio": 1.0}, joints=(5, 6))
 
     def columns(self, context, joints, shape):
