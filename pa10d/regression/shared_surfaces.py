@@ -26,9 +26,12 @@ def where_shared_slips(equation: RunEquation, terms: Iterable[Term]) -> RunEquat
     What is left out already stays so: asked again, nothing changes. A joint that would keep hardly
     anything is left as it is.
     """
+    shared = list(_shared(equation, terms))
+    if not shared:
+        return equation
     before = np.ones_like(equation.context.dq) if equation.going is None else equation.going
     share = before.copy()
-    for joints, speed in _shared(equation, terms):
+    for joints, speed in shared:
         slipping = going(speed[:, None], equation.lowpass)
         share[:, joints] = np.minimum(share[:, joints], slipping)
     if np.array_equal(share, before):

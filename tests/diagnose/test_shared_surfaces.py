@@ -32,7 +32,8 @@ def runs():
         q, dq, ddq = (np.column_stack([x.sum(axis=1), x @ [1.0, -1.0]]) / 2.0 for x in moved)
         shared = F * np.where(stands[:, 0], way[:, 0], np.sign(moved[1][:, 0]))
         tau = textbook_torque(q, dq, ddq) + shared[:, None]
-        out[name] = Recording(name, t, q, tau + 0.05 * rng.standard_normal(tau.shape))
+        tau += 0.05 * rng.standard_normal(tau.shape)
+        out[name] = Recording(name, t[::2], q[::2], tau[::2])
     return out
 
 

@@ -308,8 +308,9 @@ class SearchState:
 
 
 def _same_samples(one: Side, other: Side) -> bool:
+    """Does as much count of every one?"""
     runs = zip(one.runs, other.runs, strict=True)
-    return all(np.array_equal(a.keep, b.keep) for a, b in runs)
+    return all(a is b or np.array_equal(a.left, b.left) for a, b in runs)
 
 
 def bodies_of(model: TorqueModel) -> Knowledge | None:
