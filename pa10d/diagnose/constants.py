@@ -60,8 +60,11 @@ MAP_THIN = 2  # rows left out between, for the same reason
 FORETOLD_THIN = 2  # likewise
 MAJORITY_THIN = 2  # likewise
 ABSORBED = 1e-4  # share of a column's power below which the model absorbs it: not identifiable
+ROUNDED = 1e-8  # the same of what rounding takes: differences of squares in sixteen digits
+BLURRED_LEAST = 0.1  # of what is left of a joint: what is off by that weighs a hundredth of it
 LEAST_OWN = 0.01  # of the power of what an effect changes held out: its own torque's (policy)
 SLOPE_STEP = 1e-3  # of the value, or, on a linear scale, of the search's first step if more
+CHANNEL_STEP = 0.05  # of a channel's time, over which it is as good as linear in that
 STIFFNESS_ROUNDING = 1e-9  # of the target's squares: less is never left over
 STEP_MARGIN = 1.0  # s of a run before a step and after it, to know what it was and is
 PLAN_RATE = 100.0  # Hz: enough for the sizes of torques
@@ -111,11 +114,13 @@ FIRM_ROTOR = 0.5  # of the inertia of rotor and link, likewise
 STEP_EVERY, STEP_CLOSELY = 0.5, 0.05  # s between moments that are tried, and around the best
 PICKED_MOMENTS = 20  # of each run, at which an arm may have picked up something, before the best is
 #   sought more closely
+COMING_ON = (0.03, 0.1, 0.3, 1.0, 10.0)  # of a run, that what comes on slowly may take
 STEP_SHARES = (1.0, 0.5, 0.2)  # of a Gauss-Newton step, tried in turn
 STEP_DAMPINGS = (0.0, 0.02, 0.1, 0.4, 2.0, 10.0)  # of one beside springs, likewise: shares of
 #   a column's length, from next to what the data show least of to each parameter on its own
 MAJORITY_ROUNDS = (4, 12)  # Huber's weights find the neighbourhood, Tukey's forget the rest
 TIMING_ROUNDS = 3
+BLURRED_ROUNDS = 3  # in which what is left clear of knocks says what is clear of them
 SMOOTH_ROUNDS = 2
 MAPS_PER_JOINT = 3  # that are judged held out
 FORETOLD_TRIED = 2  # sets of quantities per joint that are judged held out

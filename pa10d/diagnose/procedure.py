@@ -14,6 +14,7 @@ from pa10d.diagnose.outcome.rest import rest_of
 from pa10d.diagnose.search.begun import Begun, begin
 from pa10d.diagnose.search.bent_laws import bent_laws
 from pa10d.diagnose.search.candidates import absorbed
+from pa10d.diagnose.search.channel import channel_words
 from pa10d.diagnose.search.corners import sharpened
 from pa10d.diagnose.search.course import Only, searched
 from pa10d.diagnose.search.finished import Finished, finished
@@ -92,6 +93,7 @@ def _told(
     """All that was found, and what is left after it, together."""
     model, state, given = begun.model, search.state, begun.given
     frozen, held, whole = state.frozen, state.held, only is None
+    smoothed = state.model.channel != model.channel
     asked = None if whole else search.suspects
     stood = as_it_stood(search, model, begun.error, end.left, begun.moved, asked)
     bent = bent_laws(search.all_bent())
@@ -137,7 +139,8 @@ def _told(
         stood=stood.words,
         told=_known_before(model),
         sharper=sharpened(model, state) if frozen else {},
-        passed=str(state.model.channel) if state.model.channel != model.channel else "",
+        passed=channel_words(state) if smoothed else "",
+        thought=str(model.channel) if smoothed and model.channel else "",
     )
 
 

@@ -165,6 +165,10 @@ class Value:
             **({"means": self.means} if self.means else {}),
         }
 
+    def __abs__(self) -> Value:
+        """As large, whichever way it goes."""
+        return replace(self, value=abs(self.value))
+
     def __str__(self) -> str:
         """``0.113 ± 0.02 N·m``, a choice with what it means, or that the data leave it open."""
         if self.beyond:
@@ -255,7 +259,7 @@ class Effect(ABC):
     # builds up after a turn, and all that is carried with it
     damped_over: ClassVar[str] = ""  # shape parameter: the time by which that is damped
     is_rotor: ClassVar[bool] = False  # without it the rigid bodies take the rotor's inertia in
-    picked_up: ClassVar[bool] = False  # may come or go while the arm moves
+    picked_up: ClassVar[bool] = False  # may come, go or be another from one moment on
     also_changes: ClassVar[bool] = False  # asked for, too, where the question is what changed
     seen_by_shared_bodies: ClassVar[bool] = False  # a change that a new fit does not hide: the
     # equations of several joints ask different things of one body. Asked for where the question

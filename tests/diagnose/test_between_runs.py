@@ -105,6 +105,40 @@ def test_the_moment_is_told_where_it_lies_in_a_block_that_judges(frozen):
         assert one.at == pytest.approx(HELD_OUT, abs=0.15)
 
 
+def rising_by(times):
+    """Dry friction of joint 2 in N·m, as it goes with the time."""
+    return lambda t, q, dq, ddq: np.outer(times(t) * np.tanh(dq[:, 1] / 0.01), [0.0, 1.0])
+
+
+def told_of_the_day(extra):
+    """By a model that stays as it was."""
+    model = textbook(recordings(5))
+    train, held, _ = two_sides(model, [recordings(5, extra)["fit_b"]], [])
+    state = SearchState.start(model, train, held, frozen=True)
+    return contradiction(state, suspects(True, 2), np.zeros(2)).told
+
+
+def test_friction_that_rises_at_a_moment_is_told_with_its_size():
+    """It "follows its velocity", and had no name."""
+    (one,) = told_of_the_day(rising_by(lambda t: 0.6 * (t > HELD_OUT)))
+    assert (one.joint, one.effects) == (1, ("Coulomb friction",))
+    assert one.at == pytest.approx(HELD_OUT, abs=0.15)
+    said, error = one.came.removesuffix(" N·m").split(" ± ")
+    size = float(said.removeprefix("Coulomb friction rose by "))
+    assert abs(size - 0.6) < 2.0 * float(error) < 0.1
+    assert f"as if {one.came} {one.at:.1f} s into fit_b" in one.words
+
+
+@pytest.mark.long
+def test_friction_that_falls_at_a_moment_falls():
+    (one,) = told_of_the_day(rising_by(lambda t: -0.6 * (t > HELD_OUT)))
+    assert one.came.startswith("Coulomb friction fell by 0.")
+
+
+def test_what_comes_on_slowly_did_not_come_at_a_moment():
+    assert told_of_the_day(rising_by(lambda t: 0.8 * (1.0 - np.exp(-t / 9.0)))) == ()
+
+
 def test_what_a_frozen_models_arm_had_all_day_did_not_come_on_its_way():
     model = textbook(recordings(5))
     train, held, _ = two_sides(model, [recordings(5, more_mass)["fit_b"]], [])

@@ -8,23 +8,30 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy
-from two_links import NAMES, recordings, robot
+from two_links import NAMES, recordings, robot, textbook_torque
 
 from pa10d.diagnose.evidence import stated as errors
 from pa10d.diagnose.evidence.stated import stated
 from pa10d.diagnose.regression.behind import perhaps_smoothed
+from pa10d.diagnose.regression.clear_of_knocks import clear_of_knocks
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.diagnose.search.channel import behind_channel, tuned
+from pa10d.diagnose.search.channel import behind_channel, channel_words, tuned
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.steps import Search
+from pa10d.diagnose.unknown.among_knocks import among_knocks
 from pa10d.effects import effect
+from pa10d.effects.context import Context
+from pa10d.effects.library.backlash import CONTACT_HZ
+from pa10d.effects.twist import twisted_torque
 from pa10d.identify.procedure import identify
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import delayed
 from pa10d.measurement.torque_filter import TorqueFilter
+from pa10d.model import Term
 
 HERTZ = 8.0
+HALF = 0.01  # rad, of a gap
 LATE = 0.5 / np.pi / HERTZ
 
 
@@ -41,6 +48,28 @@ def smoothed(run: Recording, joints: tuple[int, ...]) -> Recording:
 def made_and_identified():
     made = recordings(3)
     return made, identify([made[name] for name in NAMES[:2]], robot(), name="m0")
+
+
+def between_hard_teeth(t, q, dq, ddq):
+    """What a gap in joint 2 adds, its teeth nearly twice as hard as the effect takes them to be."""
+    rigid, torque = np.array(robot().parameters), textbook_torque(q, dq, ddq)
+    context = Context(robot(), t, q, dq, ddq, rigid, torque)
+    stiffness = float(context.typical_inertia[1]) * (2 * np.pi * 1.8 * CONTACT_HZ) ** 2
+    return twisted_torque(context, 1, stiffness, 0.2, [[HALF]])[:, :, 0]
+
+
+@cache
+def with_a_gap() -> SearchState:
+    """A gap is found, and the model knows of the delay alone."""
+    made, late = recordings(3, between_hard_teeth), made_and_identified()[1]
+    runs = [smoothed(made[name], (0, 1)) for name in NAMES]
+    train, held, _ = two_sides(replace(late, shift=LATE, channel=None), runs[:2], runs[2:])
+    state = SearchState.start(late, train, held)
+    state.push(Term("backlash", (1,), np.ones(1), {"b": HALF}))
+    state.refit()
+    state.relook()
+    state.refit()
+    return state
 
 
 @cache
@@ -63,6 +92,53 @@ def test_what_all_joints_have_passed_is_found():
 @pytest.mark.parametrize("joints", [(), (0,)])
 def test_what_is_late_alone_or_smoothed_on_one_joint_is_no_channel(joints):
     assert behind_channel(taken_for_late(joints)) is None
+
+
+def test_what_knocks_are_off_by_is_no_smoothness():
+    """A knock that comes a little early or late is nearer to the torque the softer it is."""
+    found = behind_channel(with_a_gap())
+    assert found.model.channel.kind == "first order"
+    assert 0.5 / np.pi / found.model.channel.seconds == pytest.approx(HERTZ, rel=0.25)
+
+
+def test_knocks_are_few_samples_and_keep_most_of_the_error():
+    state = with_a_gap().behind(TorqueFilter("first order", LATE))
+    (clear,) = clear_of_knocks(state)
+    for joint in range(2):
+        assert 0.5 < len(clear.train.tau[joint]) / len(state.train.tau[joint]) < 0.95
+    assert np.all(clear.fit.rms() < 0.7 * state.fit.rms())
+    found = among_knocks(state)[1]
+    assert found.of == (1,)
+    assert found.share > 0.5 > found.part
+    left = state.held_residual()[1]
+    kept = found.rest**2 * (1.0 - found.part)
+    assert found.share == pytest.approx(1.0 - kept / np.mean(left**2))
+
+
+def test_a_model_without_a_gap_looks_everywhere():
+    state = taken_for_late((0, 1))
+    assert clear_of_knocks(state) == (state,)
+    assert among_knocks(state) == {}
+
+
+def test_a_low_pass_that_does_not_show_beside_what_was_found_goes():
+    """Identification took what a spring lacked for one."""
+    made, late = made_and_identified()
+    runs = [replace(run, tau=delayed(run.tau, LATE, run.rate)) for run in map(made.get, NAMES)]
+    passed = TorqueFilter("first order", LATE)
+    train, held, _ = two_sides(replace(late, shift=LATE, channel=passed), runs[:2], runs[2:])
+    state = SearchState.start(replace(late, shift=LATE, channel=passed), train, held)
+    assert state.train.runs[0].lowpass.channel == passed
+    assert behind_channel(state).model.channel is None
+
+
+def test_a_low_pass_is_told_with_its_error():
+    state = taken_for_late((0, 1)).behind(TorqueFilter("first order", LATE))
+    words = channel_words(state)
+    value, error = (float(x) for x in words.split(" at ")[1].removesuffix(" Hz").split(" ± "))
+    assert value == pytest.approx(HERTZ, rel=1e-2)
+    assert 0.0 < error < 0.1 * HERTZ
+    assert channel_words(taken_for_late((0, 1))) == ""
 
 
 @pytest.mark.long

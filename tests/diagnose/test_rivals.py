@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from bare_sides import ar1, bare_side, smooth_signal
-from two_links import recordings, state_of
+from two_links import NAMES, motion, recordings, state_of, textbook_torque
 
 from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.search import looking, steps
@@ -71,6 +71,45 @@ def test_of_rivals_those_are_told_that_are_so_yet(monkeypatch):
     found = [steps.Addition(own, [alike, gone], np.zeros(1), np.zeros(1))]
     search = steps.Search(SimpleNamespace(terms=[term]), [], 0, steps=found)
     assert search.rivals_of(0) == [alike]
+
+
+def swung_little(pull) -> dict[str, Recording]:
+    """Joint 1 upright, within a sixth of a radian or so; pull(q1) (N,) N·m there."""
+    runs = {}
+    for number, name in enumerate(NAMES):
+        t, *moved = motion(700 + number)
+        q, dq, ddq = (x * [0.3, 1.0] for x in moved)
+        noise = 0.02 * np.random.default_rng(number).standard_normal(q.shape)
+        tau = textbook_torque(q, dq, ddq) + np.outer(pull(q[:, 0]), [1.0, 0.0]) + noise
+        runs[name] = Recording(name, t, q, tau)
+    return runs
+
+
+@pytest.mark.parametrize(
+    ("pull", "named"),
+    [
+        (lambda q: 40.0 * (q + 0.1), "spring"),
+        (lambda q: 5.0 * np.maximum(q - 0.05, 0.0), "contact"),
+    ],
+    ids=["spring", "contact"],
+)
+def test_a_spring_that_gravity_takes_up_is_asked_for_beside_a_contact(pull, named):
+    """What gravity leaves of it bends as a contact does, which was named: it leaves 0.003 % of a
+    spring's torque, too little to be a candidate."""
+    state = state_of(swung_little(pull))
+    asked = [(effect(kind), (0,)) for kind in ("contact", "spring")]
+    judging = Judging(state, asked, len(state.terms))
+    good, judged = looking.look(judging)
+    assert [one.place[0] for one in good] == ["contact"]
+    chosen, _ = looking.prefer(state, good, judged)
+    more = looking.absorbed_rivals(judging, chosen, judged)
+    best, tied = looking.prefer(state, [*good, *more], [*judged, *more])
+    assert best.place[0] == named
+    assert not tied or tied[0].place[0] == "contact"
+    if named == "spring":
+        assert best.candidate.partial.theta == pytest.approx([40.0, -4.0], rel=0.1)
+        search = steps.Search(state, asked, len(state.terms)).run(1)
+        assert [t.effect_id for t in search.state.terms[search.fixed :]] == ["spring"]
 
 
 def left_by(side, residual) -> SimpleNamespace:

@@ -115,7 +115,8 @@ class Diagnosis:
     above_band: joints (0-based) and, in words, what the low-pass takes away that is more than all
     that it leaves
     told: of what somebody knew when the given model was identified, which a search does not know
-    passed: what the torque channel has passed, where only this search has seen it
+    passed: what the torque channel has passed, where this search has seen it otherwise than
+        identification; thought: what that took it for
     sharper: of a frozen model: joints (0-based) whose dry friction turns round more sharply than it
     knows, and from what speed to which that moved, rad/s (m/s)
     read_wrong: of its runs, what speaks for columns that were read wrongly
@@ -147,6 +148,7 @@ class Diagnosis:
     above_band: Mapping[int, str] = field(default_factory=dict)
     told: tuple[str, ...] = ()
     passed: str = ""
+    thought: str = ""
     sharper: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     read_wrong: tuple[str, ...] = ()
 
@@ -238,7 +240,7 @@ class Diagnosis:
         if one.at is not None:
             return (
                 f"no one model of {joints} is right before and after {one.at:.1f} s of "
-                f"{listed(one.runs)}; look what the arm took up or put down then, and "
+                f"{listed(one.runs)}; look what happened then (a load, a brake, a cable), and "
                 "identify with one side of that left out (--leave-out); what came or went a run "
                 "tells that has it from its beginning (frozen)",
             )
@@ -280,12 +282,19 @@ class Diagnosis:
 
     def _smoothed(self) -> tuple[str, ...]:
         """What the given model did not know of its torque channel."""
-        if not self.passed:
+        if not self.passed and not self.thought:
             return ()
+        if not self.passed:
+            return (
+                f"identification took the recorded torque to have passed {self.thought}; beside "
+                "what is told here it shows no low-pass, it is only late: the model fitted anew "
+                "goes without",
+            )
+        without = f"took it for {self.thought}" if self.thought else "saw none"
         return (
-            "the torque channel smooths, which shows beside all that is told here, and did not "
-            f"without: the recorded torque has passed {self.passed}, or something like it; the "
-            "model fitted anew accounts for it",
+            "the torque channel smooths, which shows as it is beside all that is told here: the "
+            f"recorded torque has passed {self.passed}, or something like it, and identification, "
+            f"without that, {without}; the model fitted anew accounts for it",
         )
 
     def _lighter(self) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from pa10d.diagnose.search.begun import Begun
 from pa10d.diagnose.search.finished import Finished
 from pa10d.diagnose.search.frozen import AsItStood
 from pa10d.diagnose.search.steps import Search
+from pa10d.diagnose.unknown.among_knocks import among_knocks
 from pa10d.diagnose.unknown.at_most import most_noise
 from pa10d.diagnose.unknown.beyond import beyond
 from pa10d.diagnose.unknown.claims import Unnamed
@@ -62,6 +63,7 @@ def rest_of(
         beside=over.beside,
         knocked={j: found.words for j, found in knocked.items()},
         outdone=search.outdone,
+        knocks=among_knocks(state),
         most_noise=most_noise(state),
         usual=state.usual,
         lacked=begun.model.noise,

@@ -265,7 +265,8 @@ def unexplained(found: Diagnosis) -> str:
     named = {one.joint for one in found.unexplained}
     if found.contradicted and named == {one.joint for one in found.contradicted}:
         one = found.contradicted[0]
-        moment = f"something came or went {one.at:.1f} s into {listed(one.runs)}" if one.at else ""
+        came = one.came or "something came or went"
+        moment = f"{came} {one.at:.1f} s into {listed(one.runs)}" if one.at else ""
         asks = one.words if one.all_along else moment or "they ask for different parameters"
         return f"{one.who[0].upper()}{one.who[1:]}: {asks}"
     if found.misplaced and named == {one.joint for one in found.misplaced}:

@@ -34,11 +34,17 @@ class PartialFit:
 
 
 def partials(
-    fit: LeastSquares, columns: PerJoint, effect: Effect, width: int, *, falls: bool = False
+    fit: LeastSquares,
+    columns: PerJoint,
+    effect: Effect,
+    width: int,
+    *,
+    falls: bool = False,
+    least: float = ABSORBED,
 ) -> list[PartialFit]:
     """Judge several shapes of one effect at once: their columns lie side by side in ``columns``,
     ``width`` = number of coefficients each; falls: they are the change of what is there already,
-    and have no lower bound."""
+    and have no lower bound; least: share of a column's power that the model has to leave."""
     total = next(iter(columns.values())).shape[1]
     rank = fit.to_beta.shape[1]
     seen, rhs = np.zeros((rank, total)), np.zeros(total)
@@ -57,7 +63,7 @@ def partials(
         gram = own[s] - seen[:, part].T @ seen[:, part]
         power = np.diag(own[s])
         theta, here = np.zeros(width), power > 0  # a coefficient may have no column: it stays zero
-        if not here.any() or np.min(np.diag(gram)[here] / power[here]) < ABSORBED:
+        if not here.any() or np.min(np.diag(gram)[here] / power[here]) < least:
             out.append(PartialFit(gram, rhs[part], seen[:, part], theta, 0.0, False))
             continue
         theta[here] = bounded(gram[np.ix_(here, here)], rhs[part][here], lower[here], upper[here])

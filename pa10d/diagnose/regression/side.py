@@ -100,6 +100,21 @@ class Side:
         runs = tuple(changed(run) for run in self.runs)
         return replace(self, runs=runs, all_moments=whole, kept_by_evidence={})
 
+    def where(self, keep: Sequence[Mask]) -> Side:
+        """The same with no samples but these (M, n) per run."""
+        runs = [
+            replace(run, keep=run.keep & own, moving=run.moving & own)
+            for run, own in zip(self.runs, keep, strict=True)
+        ]
+        return replace(self, runs=tuple(runs), kept_by_evidence={})
+
+    def rows_within(self, fewer: Side) -> list[Mask]:
+        """Joint -> (m_j,): which of its rows another one of the same runs keeps, too."""
+        pairs = list(zip(fewer.keep, self.keep, strict=True))
+        return [
+            np.concatenate([own[:, j][kept[:, j]] for own, kept in pairs]) for j in range(self.n)
+        ]
+
     def through(self, model: TorqueModel) -> Side:
         """The same with the loads and torques of a model."""
         return replace(self, contexts=tuple(seen_by(model, run) for run in self.runs))

@@ -17,7 +17,7 @@ from pa10d.effects import Effect
 from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model import Term, TorqueModel, Unknowns, vector_of
 from pa10d.regression.bodies import widely
-from pa10d.regression.per_joint import PerJoint, assembled, predict, rms
+from pa10d.regression.per_joint import Mask, PerJoint, assembled, predict, rms
 from pa10d.regression.problem import Knowledge, LinearProblem
 from pa10d.regression.winding import seen_by
 
@@ -135,8 +135,9 @@ class SearchState:
                 shape = {name: v for name, v in term.shape.items() if name != "elsewhere"}
                 self.replace_term(index, replace(term, shape=shape))
 
-    def behind(self, channel: TorqueFilter) -> SearchState:
-        """A refitted copy of which all columns pass such a torque channel."""
+    def behind(self, channel: TorqueFilter | None) -> SearchState:
+        """A refitted copy of which all columns pass such a torque channel (None: they pass as they
+        are)."""
         train, held = self.train.behind(channel), self.held.behind(channel)
         return replace(self, model=replace(self.model, channel=channel))._of(train, held)
 
@@ -154,6 +155,23 @@ class SearchState:
         kept = self.model.base.kept
         copy = replace(self, train=train, held=held, rigid=(train.rigid(kept), held.rigid(kept)))
         copy.blocks = [copy._columns(term) for term in self.terms]
+        copy.refit()
+        return copy
+
+    def where(self, keep: tuple[Sequence[Mask], Sequence[Mask]]) -> SearchState:
+        """A refitted copy that looks at these samples alone, (M, n) per run of either side."""
+        train, held = self.train.where(keep[0]), self.held.where(keep[1])
+        rows = [old.rows_within(new) for old, new in ((self.train, train), (self.held, held))]
+
+        def seen(columns: tuple[PerJoint, PerJoint]) -> tuple[PerJoint, PerJoint]:
+            first, second = (
+                {j: c[within[j]] for j, c in of_side.items()}
+                for of_side, within in zip(columns, rows, strict=True)
+            )
+            return first, second
+
+        copy = replace(self, train=train, held=held, rigid=seen(self.rigid))
+        copy.blocks = [seen(columns) for columns in self.blocks]
         copy.refit()
         return copy
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.parallel import shared_map
 from pa10d.diagnose.constants import (
+    ABSORBED,
     CLOSER_LOOKS,
     SEARCH_THREADS,
     START_THIN,
@@ -80,9 +81,12 @@ def sharpened(state: SearchState, candidates: Sequence[Candidate]) -> list[Candi
     return sorted(found, key=lambda c: -c.gain)
 
 
-def started(state: SearchState, effect: Effect, joints: tuple[int, ...]) -> list[Candidate]:
-    """Every shape that the search of one effect begins with, as far as the fit side can tell it."""
-    found = _tried(state, effect, joints, _starts(state, effect, joints), own=False)
+def started(
+    state: SearchState, effect: Effect, joints: tuple[int, ...], least: float = ABSORBED
+) -> list[Candidate]:
+    """Every shape that the search of one effect begins with, as far as the fit side can tell it;
+    least: share of a column's power that the model has to leave."""
+    found = _tried(state, effect, joints, _starts(state, effect, joints), False, least)
     return [Candidate(effect, joints, *one) for one in found]
 
 
@@ -171,6 +175,7 @@ def _tried(
     joints: tuple[int, ...],
     shapes: Sequence[Shape],
     own: bool,
+    least: float = ABSORBED,
 ) -> list[Best]:
     """Those of the shapes that the fit side can tell, with what each adds."""
     width, falls = len(effect.coefficients), state.may_fall(effect)
@@ -178,7 +183,7 @@ def _tried(
     for start in range(0, len(shapes), TOGETHER):
         part = shapes[start : start + TOGETHER]
         columns = state.train.columns(effect, joints, part, own)
-        found = partials(state.fit, columns, effect, width, falls=falls)
+        found = partials(state.fit, columns, effect, width, falls=falls, least=least)
         out += [(dict(s), p) for s, p in zip(part, found, strict=True) if p.identifiable]
     return out
 

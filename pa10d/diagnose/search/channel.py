@@ -8,12 +8,15 @@ friction behind its reversal then, and bristles stand in for that.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import CHANNEL_STEP
 from pa10d.diagnose.evidence.held_out import quadratic_form
 from pa10d.diagnose.regression.behind import moved_by, torque_of
+from pa10d.diagnose.regression.clear_of_knocks import clear_of_knocks
 from pa10d.diagnose.regression.partial import solve_symmetric
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.shape_slopes import beyond, shape_slopes
@@ -29,32 +32,55 @@ Asks = Callable[[TorqueFilter], Gains]
 
 
 def behind_channel(state: SearchState) -> SearchState | None:
-    """The same behind the low-pass that suits all joints best, all shapes as they are; None where
-    torque is not late, where none is significant, where all joints but the one that asks most would
-    not ask for it, or where motion held out is no better told with it."""
+    """The same behind the low-pass that suits all joints best, all shapes as they are, asked clear
+    of knocks; None where torque is not late, where none is significant beside what is known of it,
+    where all joints but the one that asks most would not ask for it, or where motion held out is no
+    better told with it. One that identification saw has to show beside what was found, too."""
     first = state.train.runs[0]
     late = first.shift * first.lowpass.cutoff
-    if state.frozen or first.lowpass.channel is not None or late < LEAST_DELAY or state.train.n < 2:
+    if state.frozen or late < LEAST_DELAY or state.train.n < 2:
         return None
-    asks = _asking(state, {})
+    (seen,) = clear_of_knocks(state)
+    asks = _asking(seen, {})
     each = {k: _of_kind(k, first.shift / late, asks) for k, late in DELAYS.items()}
     channel, (gains, errors) = max(each.values(), key=lambda one: float(one[1][0].sum()))
-    if not _agreed(gains, errors):
-        return None
-    trial = state.behind(channel)
-    before, after = sizes(state), sizes(trial)
-    return trial if np.all(after.sum(axis=1) < before.sum(axis=1)) else None
+    to: TorqueFilter | None = channel
+    if first.lowpass.channel is None:
+        if not _agreed(gains, errors):
+            return None
+    elif not _agreed(*_asking(seen.behind(None), {})(channel)):
+        to = None
+    elif _over(gains, errors) < AGREED:
+        return None  # it is known already, but for chance
+    before, after = sizes(seen), sizes(seen.behind(to))
+    return state.behind(to) if np.all(after.sum(axis=1) < before.sum(axis=1)) else None
 
 
 def tuned(state: SearchState) -> SearchState:
-    """The same behind such a channel as suits best with shapes anew beside it: they were settled
-    beside another one, or none, and each would follow the other. The state itself where the channel
-    stays."""
+    """The same behind such a channel as suits best, clear of knocks, with shapes anew beside it:
+    they were settled beside another one, or none, and each would follow the other. The state itself
+    where the channel stays."""
     now = state.train.runs[0].lowpass.channel
     if now is None:
         return state
-    channel, _ = _of_kind(now.kind, now.seconds, _asking(state, shape_slopes(state)))
+    (seen,) = clear_of_knocks(state)
+    channel, _ = _of_kind(now.kind, now.seconds, _asking(seen, shape_slopes(seen)))
     return state if channel == now else state.behind(channel)
+
+
+def channel_words(state: SearchState) -> str:
+    """``a low-pass of first order at 20.7 ± 3 Hz``, with its error under the noise that is left
+    clear of knocks, shapes free; nothing where there is none."""
+    now = state.train.runs[0].lowpass.channel
+    if now is None:
+        return ""
+    (seen,) = clear_of_knocks(state)
+    other = replace(now, seconds=(1.0 + CHANNEL_STEP) * now.seconds)
+    changed = moved_by(seen, torque_of(seen), other, now)
+    own = _beyond(seen, changed, shape_slopes(seen))
+    power = sum(float(o @ o) for o in own.values())
+    variance = sum(_variance(seen, own, seen.fit.residual))
+    return now.give_or_take(CHANNEL_STEP * float(np.sqrt(variance)) / max(power, 1e-300))
 
 
 def _of_kind(kind: str, seconds: float, asks: Asks) -> tuple[TorqueFilter, Gains]:
@@ -88,27 +114,37 @@ def _asking(state: SearchState, slopes: PerJoint) -> Asks:
     """By channel: (n,) what each joint's squared weighted error falls by behind it, coefficients
     anew and shapes along their ``slopes`` (m_j, s), and (n,) the standard error that the noise
     which is left gives it."""
-    fit, train, n = state.fit, state.train, state.train.n
-    torque, now = torque_of(state), train.runs[0].lowpass.channel
-    gram = np.sum([s.T @ s for s in slopes.values()], axis=0)
+    fit, n = state.fit, state.train.n
+    torque, now = torque_of(state), state.train.runs[0].lowpass.channel
 
     def asks(channel: TorqueFilter) -> Gains:
-        left = beyond(fit.basis, moved_by(state, torque, channel, now))
-        own = {j: left[j][:, 0] for j in range(n)}
-        if slopes:
-            seen = np.sum([slopes[j].T @ own[j] for j in range(n)], axis=0)
-            moved = solve_symmetric(gram, seen)
-            own = {j: own[j] - slopes[j] @ moved for j in range(n)}
+        own = _beyond(state, moved_by(state, torque, channel, now), slopes)
         gains = np.array([2.0 * own[j] @ fit.residual[j] - own[j] @ own[j] for j in range(n)])
-        moves = train.scatter(own)
-        noise = train.scatter({j: fit.residual[j] - own[j] for j in range(n)})
-        errors = [
-            sum(
-                quadratic_form(m[:, j], e[:, j], k[:, j], run.rate)
-                for m, e, k, run in zip(moves, noise, train.keep, train.runs, strict=True)
-            )
-            for j in range(n)
-        ]
+        errors = _variance(state, own, {j: fit.residual[j] - own[j] for j in range(n)})
         return gains, 2.0 * np.sqrt(np.maximum(errors, 0.0))
 
     return asks
+
+
+def _beyond(state: SearchState, moved: PerJoint, slopes: PerJoint) -> PerJoint:
+    """joint -> (m_j,) weighted: of what moves, joint -> (m_j, 1), what neither coefficients absorb
+    nor shapes along ``slopes``."""
+    left = {j: c[:, 0] for j, c in beyond(state.fit.basis, moved).items()}
+    if not slopes:
+        return left
+    gram = np.sum([s.T @ s for s in slopes.values()], axis=0)
+    along = solve_symmetric(gram, np.sum([slopes[j].T @ c for j, c in left.items()], axis=0))
+    return {j: c - slopes[j] @ along for j, c in left.items()}
+
+
+def _variance(state: SearchState, own: PerJoint, noise: PerJoint) -> list[float]:
+    """(n,) of the projections of the noise on weighted rows (m_j,), by its own spectrum."""
+    train = state.train
+    moves, left = train.scatter(own), train.scatter(noise)
+    return [
+        sum(
+            quadratic_form(m[:, j], e[:, j], k[:, j], run.rate)
+            for m, e, k, run in zip(moves, left, train.keep, train.runs, strict=True)
+        )
+        for j in range(train.n)
+    ]

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import CORNERS, LEAST_GAIN, LOOSE, MATERIAL_GAIN, MATERIAL_HARM
+from pa10d.diagnose.regression.clear_of_knocks import clear_of_knocks
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.harm import rms
 from pa10d.diagnose.search.refining import refine
@@ -33,6 +34,21 @@ def with_corners(state: SearchState) -> SearchState:
         index = loose_corner(state, joint)
         if index is not None:
             state = _with_corner(state, index)
+    return state
+
+
+def corners_anew(state: SearchState) -> SearchState:
+    """All corners as both sides have them clear of knocks, once all columns pass another torque
+    channel: beside the one before, or none, each made up for what that smeared."""
+    (seen,) = clear_of_knocks(state)
+    for index, term in enumerate(state.terms):
+        over = term.effect.smoothed_over
+        if not over or not has_sign(term, term.joints[0]):
+            continue
+        seen = _with_corner(seen, index)
+        speed = seen.terms[index].shape[over]
+        if speed != state.terms[index].shape[over]:
+            state = turned(state, index, speed)
     return state
 
 

@@ -13,6 +13,7 @@ from pa10d.diagnose.constants import (
     HELD_OUT_LEVEL,
     LEAST_OWN,
     MATERIAL_GAIN,
+    ROUNDED,
     SEARCH_LEVEL,
     SHORTLIST,
     SLOPES,
@@ -224,7 +225,8 @@ class Judging:
         train, held = self.state.blocks[index]
         kind = term.effect
         falls = index >= self.fixed and self.state.may_fall(kind)
-        partial = partials(rest, train, kind, len(kind.coefficients), falls=falls)[0]
+        width = len(kind.coefficients)
+        partial = partials(rest, train, kind, width, falls=falls, least=ROUNDED)[0]
         change = self.state.change(rest, held, partial.seen, partial.theta)
         doubt = doubt_of(self.state, rest, self.state.fit.residual)
         candidate = Candidate(term.effect, term.joints, term.shape, partial)

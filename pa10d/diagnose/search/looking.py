@@ -8,6 +8,7 @@ whoever finds none good asks for the next ones.
 from __future__ import annotations
 
 from collections.abc import Container, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,11 +16,15 @@ from pa10d.diagnose.constants import (
     LEAST_GAIN,
     MATERIAL_GAIN,
     PER_JOINT,
+    ROUNDED,
     SAME_DIRECTION,
+    SHORTLIST,
     TELL_APART,
 )
 from pa10d.diagnose.evidence.errors_of import ModelUncertainties
 from pa10d.diagnose.evidence.held_out import rivalry
+from pa10d.diagnose.regression.clear_of_knocks import clear_of_knocks
+from pa10d.diagnose.regression.partial import partials
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, scan, sharpened, started
 from pa10d.diagnose.search.judging import (
@@ -73,6 +78,25 @@ def evidence_of(judging: Judging, sharp: Sequence[Candidate], among: int) -> lis
     ]
 
 
+def holds_clear(judging: Judging, chosen: JudgedCandidate) -> bool:
+    """Does it hold clear of knocks, too, with a shape that suits there? What those are off by asks
+    for whatever bends to it; a gap is its knocks."""
+    (clear,) = clear_of_knocks(judging.state)
+    kind, joints, shape = (
+        chosen.candidate.effect,
+        chosen.candidate.joints,
+        chosen.candidate.shape,
+    )
+    if clear is judging.state or any(s.blur for s in kind.shapes):
+        return True
+    columns = clear.train.columns(kind, joints, [shape])
+    falls, width = clear.may_fall(kind), len(kind.coefficients)
+    there = partials(clear.fit, columns, kind, width, falls=falls)[0]
+    sharp = sharpened(clear, [replace(chosen.candidate, partial=there)])
+    asked = Judging(clear, judging.suspects, judging.fixed)
+    return evidence_of(asked, sharp, SHORTLIST)[0].acceptable
+
+
 def bent_rivals(
     judging: Judging, chosen: JudgedCandidate, judged: Sequence[JudgedCandidate]
 ) -> list[JudgedCandidate]:
@@ -90,6 +114,26 @@ def bent_rivals(
         inside = [c for c in started(state, other, joints) if not other.bent(c.shape)]
         tried = evidence_of(judging, inside, len(judged) + len(inside)) if inside else []
         alike = [j for j in tried if _tied(state, chosen, j)]
+        out += sorted(alike, key=lambda j: -j.gain)[:1]
+    return out
+
+
+def absorbed_rivals(
+    judging: Judging, chosen: JudgedCandidate, judged: Sequence[JudgedCandidate]
+) -> list[JudgedCandidate]:
+    """What the chosen one is known to be taken for, on the same joints, of which the model takes up
+    so much that it is no candidate: what is left of it may be all that there is to see. A spring
+    against gravity leaves its bend alone, and a contact has one, too."""
+    state, kind = judging.state, chosen.candidate.effect
+    there = {one.place for one in judged}
+    out = []
+    for other, joints in judging.suspects:
+        asked = other.id in kind.confounders and joints == chosen.candidate.joints
+        if not asked or (other.id, joints) in there or other.reaches_other_joints:
+            continue
+        inside = [c for c in started(state, other, joints, ROUNDED) if not other.bent(c.shape)]
+        tried = evidence_of(judging, inside, len(judged) + len(inside)) if inside else []
+        alike = [j for j in tried if j.acceptable and _tied(state, chosen, j)]
         out += sorted(alike, key=lambda j: -j.gain)[:1]
     return out
 

@@ -22,13 +22,21 @@ from pa10d.diagnose.constants import (
     TIMING_ROUNDS,
 )
 from pa10d.diagnose.evidence.errors_of import term_covariance
+from pa10d.diagnose.regression.clear_of_knocks import blurred, clear_of_knocks
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, scan, sharpened
 from pa10d.diagnose.search.channel import behind_channel, tuned
-from pa10d.diagnose.search.corners import sharper_instead, with_corners
+from pa10d.diagnose.search.corners import corners_anew, sharper_instead, with_corners
 from pa10d.diagnose.search.harm import harmful, rms, spoils, taken_by, turns_worse
 from pa10d.diagnose.search.judging import JudgedCandidate, Judging, Place, Suspects
-from pa10d.diagnose.search.looking import bent_rivals, look, prefer, still_tied
+from pa10d.diagnose.search.looking import (
+    absorbed_rivals,
+    bent_rivals,
+    holds_clear,
+    look,
+    prefer,
+    still_tied,
+)
 from pa10d.diagnose.search.pairs import pair_beside
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.refitting import settled
@@ -92,6 +100,7 @@ class Search:
             self._forward(steps, refused)
             self._without_unsure(steps, refused)
         if self._exchanged():
+            refused |= self.prune()
             self._forward(steps, refused)
             self._without_unsure(steps, refused)
         moved = [self._in_time(), self._behind_channel(), self._where_shared_slips()]
@@ -148,16 +157,19 @@ class Search:
 
     def _behind_channel(self) -> bool:
         """Let all columns pass what the torque has passed, where that shows by now; what stood in
-        for it goes."""
-        found = behind_channel(self.state) if self.suspects else None
+        for it goes. One that identification saw is asked for anew beside what was found."""
+        known = self.state.model.channel is not None
+        if not self.suspects or (known and len(self.state.terms) == self.fixed):
+            return False
+        found = behind_channel(self.state)
         if found is None:
             return False
-        saved, self.state = self.state.copy(), found
+        saved, self.state = self.state.copy(), corners_anew(found)
         self.settle()
-        self.state = tuned(self.state)
+        self.state = corners_anew(tuned(self.state))
         self.settle()
         self.prune()
-        if spoils(saved, self.state):
+        if spoils(*clear_of_knocks(saved, self.state)):
             self.state = saved
             return False
         return True
@@ -220,6 +232,9 @@ class Search:
                 continue
             judging = self._judging(self.suspects)
             chosen, tied = prefer(self.state, good, judged)
+            if absorbed := absorbed_rivals(judging, chosen, judged):
+                good, judged = [*good, *absorbed], [*judged, *absorbed]
+                chosen, tied = prefer(self.state, good, judged)
             if (corner := self._sharper_instead(chosen)) is not None:
                 self.state = corner
                 continue
@@ -278,6 +293,8 @@ class Search:
         may spoil another joint, so a second attempt leaves the weights as they were; where they
         were left before, it lets them go: what would have been spoiled may be explained by now.
         """
+        if not holds_clear(self._judging(self.suspects), chosen):
+            return None
         saved = self.state.copy()
         left, turned = saved.problem.sigma, False
         for weights in (left, saved.fit.sigma if left is None else None):
@@ -479,12 +496,17 @@ class Search:
         self.state = settled(self.state, self.fixed, rounds)
 
     def prune(self) -> set[Place]:
-        """Drop additions that later ones made redundant, the least useful first; says which."""
+        """Drop additions that later ones made redundant, the least useful first; says which. Beside
+        a gap the others have to hold clear of its knocks, too: what those are off by asks for
+        whatever bends to it."""
         dropped: set[Place] = set()
         while len(self.state.terms) > self.fixed:
             weakest = None
+            (clear,) = clear_of_knocks(self.state)
             for index in range(self.fixed, len(self.state.terms)):
                 judged = self.judge_term(index)
+                if judged.acceptable and clear is not self.state and not blurred(clear, index):
+                    judged = Judging(clear, self.suspects, self.fixed).term(index)
                 if not judged.acceptable and (
                     weakest is None or judged.evidence.gain < weakest[1].evidence.gain
                 ):

@@ -23,6 +23,7 @@ from pa10d.common.words import listed
 from pa10d.diagnose.constants import (
     BROKEN_SHARE,
     CLAIMED_SHARE,
+    COMING_ON,
     CONTRADICTED_LEVEL,
     MATERIAL_GAIN,
     MATERIAL_REST,
@@ -35,8 +36,11 @@ from pa10d.diagnose.regression.least_squares import LeastSquares
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState, Suspects
 from pa10d.diagnose.unknown.own_part import OwnPart, beside, lasting, own_part
+from pa10d.diagnose.unknown.parts import ByAndBy, InPart, InPlace, seconds_of
 from pa10d.diagnose.unknown.structure import strongest_maps
 from pa10d.effects import Effect, Shape
+from pa10d.model import Term
+from pa10d.model.term import as_told
 
 Array = NDArray[np.float64]
 
@@ -47,7 +51,8 @@ class Apart:
 
     share: of the squared error that a fit leaves there, which is gone if they may have it; rms:
     N·m of that; p_value: of all that was tried; effects: as people call them; at: s since these
-    runs began, where it came or went on the way
+    runs began, where it came or went on the way; came: what did, and by how much, where one effect
+    did and the data tell
     """
 
     joint: int
@@ -60,6 +65,7 @@ class Apart:
     variables: tuple[str, ...] = ()
     held_out: bool = False  # it is the held-out runs that ask for it
     at: float | None = None
+    came: str = ""
 
     @property
     def all_along(self) -> bool:
@@ -84,7 +90,7 @@ class Apart:
             return f"as if {listed(self.effects)} were there in all of them"
         if self.at is not None:
             moment = f"{self.at:.1f} s into {listed(self.runs)}"
-            return f"as if {listed(self.effects)} came or went {moment}"
+            return f"as if {self.came or f'{listed(self.effects)} came or went'} {moment}"
         between = f"{listed(self.others)} and {listed(self.runs)}"
         return f"as if {listed(self.effects)} came or went between {between}"
 
@@ -99,49 +105,12 @@ class Contradiction:
 
 
 @dataclass(frozen=True)
-class _Part:
-    """Of these runs (empty: of all) what lies before or after so many seconds, or the whole."""
-
-    runs: tuple[str, ...]
-    at: float | None = None
-    before: bool = False
-
-    def rows(self, side: Side, joint: int, seconds: Array) -> Array:
-        """(m_j,) 1 where a joint's row is in it; seconds: since its run began."""
-        there = rows_of(side, joint, self.runs or [run.name for run in side.runs])
-        return there if self.at is None else there * ((seconds < self.at) == self.before)
-
-
-@dataclass(frozen=True)
-class _Place:
-    """Of these runs what has this joint (0-based) beyond where it is so many seconds into each, or
-    short of it; or, by_speed, what has it turn one way."""
-
-    runs: tuple[str, ...]
-    of: int
-    seconds: float
-    beyond: bool
-    by_speed: bool
-    at: None = None
-
-    def rows(self, side: Side, joint: int, seconds: Array) -> Array:
-        """(m_j,) 1 where a joint's row is in it."""
-        rows = []
-        for run, context in zip(side.runs, side.contexts, strict=True):
-            path = (context.dq if self.by_speed else context.q)[:: run.lowpass.factor, self.of]
-            t = context.t[:: run.lowpass.factor] - context.t[0]
-            edge = 0.0 if self.by_speed else path[np.argmin(np.abs(t - self.seconds))]
-            rows.append(np.column_stack([(path > edge) == self.beyond]))
-        return rows_of(side, joint, self.runs) * side.gathered(rows, joint)[:, 0]
-
-
-@dataclass(frozen=True)
 class _Own(OwnPart):
     """An effect that a part of the samples has for itself."""
 
     effect: Effect
     joints: tuple[int, ...]
-    part: _Part | _Place
+    part: InPart | InPlace | ByAndBy
 
     @property
     def runs(self) -> tuple[str, ...]:
@@ -181,16 +150,19 @@ def contradiction(
     fit, least = state.fit, MATERIAL_REST * np.nan_to_num(floor)
     names = tuple(dict.fromkeys(run.name for run in state.train.runs))
     taken: list[tuple[_Own, float]] = []
+    came: list[str] = []
     concerned = fit.rms() > least
-    groups = [_Part(runs) for runs in (_parts(names) if parts is None else parts)]
+    groups = [InPart(runs) for runs in (_parts(names) if parts is None else parts)]
     moments = list(_moments(state.train, names)) if parts is None else []
-    picked_up = [one for one in suspects if one[0].picked_up]
     # a model that is fitted anew has taken up what was there all along; one that stays has not
-    throughout = [_Part(())] if moments and state.frozen else []
+    throughout = [InPart(())] if moments and state.frozen else []
     while len(taken) < state.train.n:
-        tried = list(_tried(state, picked_up, fit, [*moments, *throughout]))
-        if groups and np.any(fit.rms() > least):
-            tried += _tried(state, suspects, fit, [*groups, _Part(())])
+        keeps = fit.rms() > least
+        on_the_way = [(e, j) for e, j in suspects if e.picked_up and (not j or keeps[[*j]].any())]
+        tried, count = _best_of_each(_tried(state, on_the_way, fit, [*moments, *throughout]))
+        if groups and np.any(keeps):
+            between = list(_tried(state, suspects, fit, [*groups, InPart(())]))
+            tried, count = [*tried, *between], count + len(between)
         best = _plainest([one for one in tried if one.runs])
         if best is None:
             break
@@ -200,19 +172,21 @@ def contradiction(
             break
         if always is not None:
             best, lasts = always, lasting(state.train, fit, always)
-        p_value = _chance(state.train, fit, best) * len(tried)
+        p_value = _chance(state.train, fit, best) * count
         if p_value > CONTRADICTED_LEVEL or not lasts:
             break
-        if best.part.at is not None and _told_by_place(state, fit, best, best.part.at):
+        at = best.part.at
+        if at is not None and (_told_by_place(state, fit, best, at) or _slowly(state, fit, best)):
             moments = []
             continue
         if parts is None and best.part.at is None and _told_by_motion(state, best):
             break
         taken.append((best, p_value))
+        came.append(_came(state, fit, best))
         fit = beside(fit, best)
     if any(one.part.at is not None for one, _ in taken):
         concerned[:] = True
-    told = _told(taken, names, concerned, state.fit, fit) if taken else ()
+    told = _told(taken, came, names, concerned, state.fit, fit) if taken else ()
     return Contradiction(tuple(told), fit.rms())
 
 
@@ -259,9 +233,37 @@ def _told_by_place(state: SearchState, fit: LeastSquares, best: _Own, at: float)
     """Would a place or a direction of the motion do as well as that moment? An arm that is not
     where it was need not have changed: what a model lacks may act there alone."""
     n, sides = state.train.n, (False, True)
-    places = [_Place(best.runs, *one) for one in product(range(n), [at], sides, sides)]
+    places = [InPlace(best.runs, *one) for one in product(range(n), [at], sides, sides)]
     found = _tried(state, [(best.effect, best.joints)], fit, places)
     return max((one.gain for one in found), default=0.0) > (1.0 - MATERIAL_GAIN) * best.gain
+
+
+def _slowly(state: SearchState, fit: LeastSquares, best: _Own) -> bool:
+    """Would it do as well to come on by and by, as what warms does?"""
+    longest = _longest(state.train, best.runs[0])
+    slow = [ByAndBy(best.runs, longest * part) for part in COMING_ON]
+    found = _tried(state, [(best.effect, best.joints)], fit, slow)
+    return max((one.gain for one in found), default=0.0) > (1.0 - MATERIAL_GAIN) * best.gain
+
+
+def _came(state: SearchState, fit: LeastSquares, own: _Own) -> str:
+    """``Coulomb friction rose by 2.5 ± 0.1 N·m``, ``a payload of 1.4 ± 0.1 kg came``: what a moment
+    brought, or took away; nothing where the data leave some of it open, or there was none."""
+    part, kind = own.part, own.effect
+    if not isinstance(part, InPart) or part.at is None or own.size < len(own.theta):
+        return ""
+    power = fit_side_power(state.train, fit.residual, own.change)
+    covariance = own.free @ own.free.T * own.gain / max(power, 1e-300)
+    shape = dict(_shape(state, kind, own.joints))
+    values = kind.values(own.theta, covariance, shape, {})
+    term = Term(kind.id, own.joints, own.theta, shape)
+    size = next(iter(as_told(state.model.robot, term, values).values()))
+    if not size.determined:
+        return ""
+    if kind.rubs:
+        rose = (size.value > 0.0) != part.before
+        return f"{kind.named} {'rose' if rose else 'fell'} by {abs(size)}"
+    return f"{kind.named} of {size} {'went' if part.before else 'came'}"
 
 
 def _told_by_motion(state: SearchState, best: _Own) -> bool:
@@ -284,7 +286,10 @@ def _told_by_motion(state: SearchState, best: _Own) -> bool:
 
 
 def _tried(
-    state: SearchState, suspects: Suspects, fit: LeastSquares, parts: Sequence[_Part | _Place]
+    state: SearchState,
+    suspects: Suspects,
+    fit: LeastSquares,
+    parts: Sequence[InPart | InPlace | ByAndBy],
 ) -> Iterator[_Own]:
     """Each that may have changed, in each of these parts of the samples."""
     side = state.train
@@ -299,17 +304,29 @@ def _tried(
                 fit, {j: c * part.rows(side, j, seconds[j])[:, None] for j, c in weighted.items()}
             )
             if own is not None:
-                yield _Own(own.gain, own.theta, own.change, own.basis, effect, joints, part)
+                yield _Own(**vars(own), effect=effect, joints=joints, part=part)
 
 
-def _moments(side: Side, names: Sequence[str]) -> Iterator[_Part]:
+def _best_of_each(found: Iterator[_Own]) -> tuple[list[_Own], int]:
+    """Of each effect and each set of runs the moment that takes most, and how many were tried."""
+    best: dict[tuple[str, tuple[int, ...], tuple[str, ...]], _Own] = {}
+    count = 0
+    for one in found:
+        count += 1
+        place = one.effect.id, one.joints, one.runs
+        if place not in best or one.gain > best[place].gain:
+            best[place] = one
+    return list(best.values()), count
+
+
+def _moments(side: Side, names: Sequence[str]) -> Iterator[InPart]:
     """Before and after some moments of one run alone, and after those that all runs have."""
     last = {name: _longest(side, name) - STEP_MARGIN for name in names}
     for name in names:
         for at in _between(last[name]):
-            yield from (_Part((name,), at, before) for before in (False, True))
+            yield from (InPart((name,), at, before) for before in (False, True))
     if len(names) > 1:
-        yield from (_Part(tuple(names), at) for at in _between(min(last.values())))
+        yield from (InPart(tuple(names), at) for at in _between(min(last.values())))
 
 
 def _between(last: float) -> list[float]:
@@ -332,7 +349,7 @@ def _to_the_moment(
     whole: the moment may lie in one of those, where the fit side knows of none better than of
     another, and half a run has few stretches in which something lasts."""
     part = best.part
-    if isinstance(part, _Place) or part.at is None:
+    if not isinstance(part, InPart) or part.at is None:
         return best, lasting(state.train, fit, best)
     if not {run.name for run in state.held.runs} & {*part.runs}:
         best = _closely(state, fit, best)
@@ -359,7 +376,7 @@ def _anew(state: SearchState, fit: LeastSquares, one: _Own) -> _Own | None:
 def _closely(state: SearchState, fit: LeastSquares, best: _Own) -> _Own:
     """The same with the moment that suits best, sought ever more closely about it."""
     part = best.part
-    if isinstance(part, _Place) or part.at is None:
+    if not isinstance(part, InPart) or part.at is None:
         return best
     longest = _longest(state.train, part.runs[0])
     last, apart = max(longest - STEP_MARGIN, STEP_MARGIN), longest / (PICKED_MOMENTS - 1)
@@ -386,21 +403,6 @@ def _shape(state: SearchState, effect: Effect, joints: tuple[int, ...]) -> Shape
     return there[0].shape if there else effect.starts(state.train.contexts[0], joints)[0]
 
 
-def rows_of(side: Side, joint: int, runs: Sequence[str]) -> Array:
-    """(m_j,) 1 where a joint's row is of these runs."""
-    counts = [int(keep[:, joint].sum()) for keep in side.keep]
-    return np.repeat([float(run.name in runs) for run in side.runs], counts)
-
-
-def seconds_of(side: Side, joint: int) -> Array:
-    """(m_j,) s since its run began."""
-    rows = []
-    for run, context in zip(side.runs, side.contexts, strict=True):
-        t = context.t[:: run.lowpass.factor] - context.t[0]
-        rows.append(np.column_stack([t]))
-    return np.asarray(side.gathered(rows, joint)[:, 0])
-
-
 def _all_along(tried: Sequence[_Own], best: _Own) -> _Own | None:
     """What would do as well where it is in all runs: then nothing came or went, and some of them
     alone do not tell it from what the model has in its place."""
@@ -413,7 +415,11 @@ def _plainest(tried: Sequence[_Own]) -> _Own | None:
     """Of those that take as much as any the one that spends least on it."""
     most = max((one.gain for one in tried), default=0.0)
     near = [one for one in tried if one.gain > (1.0 - MATERIAL_GAIN) * most]
-    return min(near, key=lambda one: (one.size, len(one.runs), -one.gain), default=None)
+
+    def spends(one: _Own) -> tuple[float, ...]:
+        return one.size, one.part.at is not None, len(one.runs), -one.gain
+
+    return min(near, key=spends, default=None)
 
 
 def _chance(side: Side, fit: LeastSquares, own: _Own) -> float:
@@ -422,6 +428,7 @@ def _chance(side: Side, fit: LeastSquares, own: _Own) -> float:
 
 def _told(
     taken: Sequence[tuple[_Own, float]],
+    came: Sequence[str],
     names: Sequence[str],
     concerned: NDArray[np.bool_],
     before: LeastSquares,
@@ -447,4 +454,5 @@ def _told(
             others=tuple(name for name in names if name not in most.runs),
             effects=tuple(dict.fromkeys(one.effect.named for one in mine)),
             at=most.part.at,
+            came=came[int(np.argmax(power))] if len(mine) == 1 else "",
         )

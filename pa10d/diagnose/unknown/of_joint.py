@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pa10d.compare.places import Place
 from pa10d.diagnose.constants import AT_RANDOM, CLAIMED_SHARE, MATERIAL_REST, MUCH_WORSE
+from pa10d.diagnose.unknown.among_knocks import AmongKnocks
 from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.beyond import Beyond
 from pa10d.diagnose.unknown.claims import Unexplained, Unnamed, comes_again
@@ -44,6 +45,7 @@ class KnownBesides:
     beside: whose rest a joint's own goes with
     knocked: in words, of those whose error lies in a few moments of the runs
     outdone: effects that would take such a share of it, of which a map leaves much less
+    knocks: what lies in those of a gap that was found, and what is kept elsewhere
     most_noise: N·m RMS, as much as is noise at most on the runs that the model was fitted to
 
     Of a model that stays as it was:
@@ -65,6 +67,7 @@ class KnownBesides:
     beside: Mapping[int, GoesWith] = field(default_factory=dict)
     knocked: Mapping[int, str] = field(default_factory=dict)
     outdone: Mapping[int, tuple[tuple[str, ...], float]] = field(default_factory=dict)
+    knocks: Mapping[int, AmongKnocks] = field(default_factory=dict)
     most_noise: Array | None = None
     usual: Array | None = None
     lacked: Array | None = None

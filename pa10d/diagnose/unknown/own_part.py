@@ -20,12 +20,13 @@ Array = NDArray[np.float64]
 class OwnPart:
     """What a part of the samples has for itself, beside the fit: theta (k,) of its columns; change,
     joint -> (m_j,) weighted, of what the fit leaves; basis, joint -> (m_j, d) orthonormal, of all
-    that it could change."""
+    that it could change; free: (k, d), how theta moves along that."""
 
     gain: float
     theta: Array
     change: PerJoint
     basis: PerJoint
+    free: Array
 
     @property
     def size(self) -> int:
@@ -52,7 +53,8 @@ def own_part(fit: LeastSquares, own: PerJoint) -> OwnPart | None:
             basis[j] = basis[j] + own[j] @ (turn / scale[:, None])
     along = np.sum([b.T @ fit.residual[j] for j, b in basis.items()], axis=0)
     change = {j: b @ along for j, b in basis.items()}
-    return OwnPart(float(along @ along), turn @ along / scale, change, basis)
+    free = turn / scale[:, None]
+    return OwnPart(float(along @ along), free @ along, change, basis, free)
 
 
 def lasting(side: Side, fit: LeastSquares, part: OwnPart) -> bool:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from pa10d.common.words import listed, percent, rounded, times
+from pa10d.common.words import joint_words, listed, percent, rounded, times
 from pa10d.diagnose.constants import (
     BROKEN_SHARE,
     CLAIMED_SHARE,
@@ -49,6 +49,8 @@ def _first(one: OfJoint) -> str:
         return f"{size}."
     if one.material is not False and j in one.known.alone and not one.told:
         return f"{size}; {before_one_change(one)}{one.known.alone[j]}."
+    if knocks := _among_knocks(one):
+        return f"{size}{knocks}."
     if one.left is None and one.material is not False and j in one.known.undetermined:
         return f"{size}{not_determined(one.known.undetermined[j])}"
     return f"{_by_rule(one)}{of_the_same(one)}"
@@ -208,6 +210,21 @@ def _nothing_claimed(one: OfJoint) -> str:
         else "what the library has not, or slow noise that was larger there"
     )
     return f"; {told_in_passing(place)}: {why}. {ASK_AGAIN}"
+
+
+def _among_knocks(one: OfJoint) -> str:
+    """Of a joint that keeps no more than noise but where the teeth of a gap meet."""
+    found = one.known.knocks.get(one.joint)
+    if found is None or not one.material or not one.size_alone:
+        return ""
+    if not found.rest <= MATERIAL_REST * one.floor:
+        return ""
+    gap = f"the gap of {joint_words(found.of)}" if len(found.of) == 1 else "gaps"
+    return (
+        f"; {percent(found.share)} of its squared error lies in the knocks of {gap} "
+        f"({percent(found.part)} of its samples), the moments of which nobody can foretell so "
+        f"closely. Elsewhere it keeps {times(found.rest / one.floor)} its floor"
+    )
 
 
 def _explained(one: OfJoint) -> str:

@@ -27,7 +27,8 @@ from pa10d.diagnose.evidence.errors_of import doubt_of
 from pa10d.diagnose.evidence.held_out import judge
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.diagnose.unknown.between_runs import own_part, rows_of, seconds_of
+from pa10d.diagnose.unknown.own_part import own_part
+from pa10d.diagnose.unknown.parts import rows_of, seconds_of
 from pa10d.regression.per_joint import rms
 
 Array = NDArray[np.float64]

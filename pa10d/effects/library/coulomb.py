@@ -18,6 +18,7 @@ class Coulomb(Effect):
     rubs = True
     smoothed_over = "v0"
     also_changes = True
+    picked_up = True
     joint_property = "friction"
     live = True
     coefficients = (Coefficient("Fc", "N·m", lower=0.0),)

@@ -15,6 +15,7 @@ class TorqueOffset(Effect):
     plainly = "it reads too high or too low by a constant"
     equation = "τ = offset"
     also_changes = True
+    picked_up = True
     live = True
     coefficients = (Coefficient("offset", "N·m"),)
     signature = "All of the error is shifted by the same amount, in both directions, in every pose."

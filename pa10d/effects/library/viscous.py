@@ -13,6 +13,7 @@ class Viscous(Effect):
     question = "textbook"
     rubs = True
     also_changes = True
+    picked_up = True
     joint_property = "damping"
     live = True
     coefficients = (Coefficient("Fv", "N·m·s/rad", lower=0.0),)
