@@ -53,7 +53,7 @@ class Pid:
         self._still, self._patience = np.zeros_like(limit), np.full_like(limit, STUCK)  # s
         self._moves = np.zeros_like(limit)  # s
         self._side = np.zeros_like(limit)  # of its place, on which a joint was last
-        self._held = HeldFriction(gains.friction, period)
+        self._held = HeldFriction(gains.friction, period, gains.kp)
         self._own = np.zeros_like(limit)  # N·m without the motion's own
         # tracking time of the back-calculation: that of the integral itself
         self._unwind = np.minimum(1.0, period * gains.ki / np.maximum(gains.kp, 1e-9))

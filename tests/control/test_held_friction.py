@@ -28,6 +28,7 @@ from pa10d.trajectory.poses import Surroundings
 
 PERIOD = 0.004  # s
 COULOMB = np.array([2.0, 0.5])  # N·m
+STIFF = np.array([40.0, 10.0])  # N·m/rad
 WAITS, MOVES = np.zeros(2, bool), np.ones(2, bool)
 SLOW, FAST = np.full(2, 0.5 * SLIPS), np.array([0.5, 2.0]) * SLIPS
 
@@ -35,7 +36,7 @@ SLOW, FAST = np.full(2, 0.5 * SLIPS), np.array([0.5, 2.0]) * SLIPS
 def let_go(way, dq=SLOW, coulomb=COULOMB, less=0.0):
     """(2,) N·m in all, of joints that crept ``way`` (2, rows) rad, stand while their torque falls
     by ``less`` (N·m), and then move."""
-    held, torque = HeldFriction(coulomb, PERIOD), 10.0 * np.ones(2)
+    held, torque = HeldFriction(coulomb, PERIOD, STIFF), 10.0 * np.ones(2)
     held.start(np.zeros(2), torque)
     for q in np.transpose(way):
         assert not held.let_go(q, dq, WAITS, torque).any(), "a joint that waits needs what it holds"
@@ -71,7 +72,7 @@ def test_a_slip_leaves_nothing_known():
 
 
 def test_friction_that_was_not_measured_is_not_let_go():
-    assert not HeldFriction(np.zeros(2), PERIOD).known
+    assert not HeldFriction(np.zeros(2), PERIOD, STIFF).known
     way = np.linspace(0.0, 3.0 * CREPT, 50) * np.ones((2, 1))
     assert let_go(way, coulomb=COULOMB * [1.0, 0.0])[1] == 0.0
 
@@ -83,7 +84,7 @@ def test_friction_that_was_not_measured_is_not_let_go():
 )
 def test_by_its_weight_no_more_than_must_be_and_no_less_than_can(crept, low, wide):
     """So that what is weight is not let go of; where a creep told as much, that stays."""
-    held, torque, n = HeldFriction(COULOMB, PERIOD), np.zeros(2), np.ones(2)
+    held, torque, n = HeldFriction(COULOMB, PERIOD, STIFF), np.zeros(2), np.ones(2)
     held.start(np.zeros(2), torque)
     held.let_go(crept * n, SLOW, WAITS, torque)
     held.weighed(torque, low * n, (low + wide) * n)
@@ -99,17 +100,36 @@ def test_by_its_weight_no_more_than_must_be_and_no_less_than_can(crept, low, wid
 def test_where_a_motion_waits_no_more_goes_than_its_torque_can_hold(share):
     """A gear creeps under next to nothing: it told all of its friction, pause after pause, and the
     joint was thrown by it. More than crept is none, either: weights are known where it began."""
-    held, weighs = HeldFriction(COULOMB, PERIOD), np.array([3.0, -1.0])
+    held, weighs = HeldFriction(COULOMB, PERIOD, STIFF), np.array([3.0, -1.0])
     held.start(np.zeros(2), weighs)
     held.weighed(weighs, weighs, weighs)
     held.let_go(np.zeros(2), SLOW, MOVES, weighs)
     torque = weighs + share * COULOMB
+    held.let_go(np.zeros(2), SLOW, MOVES, torque)
     for q in np.linspace(0.0, 3.0 * CREPT, 50):
         held.let_go(np.array([q, 0.1 * q]), SLOW, WAITS, torque)
     cycles = range(round(20 * LET_GO / PERIOD))
     gone = sum(held.let_go(np.array([1.0, 0.1]) * 3.0 * CREPT, SLOW, MOVES, torque) for _ in cycles)
     most = max(share, 0.0)
     assert gone == pytest.approx(COULOMB * [most, min(most, 0.3)], abs=1e-6)
+
+
+@pytest.mark.parametrize("of_gain", [0.1, 1.0, 10.0])
+def test_what_creeps_while_its_torque_rises_does_not_slide(of_gain):
+    """Friction that creeps from the first on took it all up: a milliradian told all of it, at a
+    third of it, and the joint was thrown 0.15 rad by what was let go and was not there."""
+    held, torque, q = HeldFriction(COULOMB, PERIOD, STIFF), np.zeros(2), 0.0
+    held.start(np.zeros(2), torque)
+    for k in range(500):
+        q = 5e-5 * np.round(CREPT * k / 500 / 5e-5)  # steps of an encoder
+        torque = torque + of_gain * STIFF * CREPT / 500
+        assert not held.let_go(q * np.ones(2), SLOW, WAITS, torque).any()
+    cycles = range(round(20 * LET_GO / PERIOD))
+    gone = sum(held.let_go(q * np.ones(2), SLOW, MOVES, torque) for _ in cycles)
+    slid = 1.0 / (1.0 + of_gain)
+    took = of_gain * STIFF * CREPT / COULOMB
+    assert (gone / COULOMB > 0.6 * slid).all()
+    assert (gone / COULOMB < 1.4 * slid + took).all()
 
 
 def test_a_joint_that_waits_while_others_move_holds_what_it_held():
