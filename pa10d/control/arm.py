@@ -54,6 +54,7 @@ PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is
 LIFTED = 0.5  # of the torque limit, that a joint may need to bear its load, also one that nobody
 # described: motors that give less than twice what they bear hardly move an arm
 ALONE_AFTER = 3  # falls: two tell a joint's weight and inertia; what goes on is moved by others
+LEFT_ITS_PLACE = ("velocity_limit", "following_error", "position_limit")
 STANDS = 0.2  # s for which the arm must stand with open brakes before it counts as held
 CALMS = 10.0  # s in which one that sways comes to rest, or is held as it is
 RESTS = 5.0  # s after a fall until links that swing on their gears at 2 Hz have lost 85 % of it, of
@@ -355,7 +356,8 @@ class Arm:
         if self.state == ArmState.ENABLING:
             self.path.watch_standing()
         elif self.state in POWERED:
-            self.path.watch(stopping_for_fault=self.fault is not None)
+            closing = self.state == ArmState.DISABLING and not self.right_way.known.all()
+            self.path.watch(stopping_for_fault=self.fault is not None, standing=closing)
         if self.state in POWERED:
             asked("write", self.backend.write, self.path.torque(self.state))
         elif self.state == ArmState.RESETTING or self.maybe_powered:
@@ -501,6 +503,7 @@ class Arm:
             self._by_drives = DrivesStop(self.path, self.backend.period)
         if self.state == ArmState.DISABLING:
             self._brake_on(fault)
+            self._coast_unless_known(fault.axis if fault.kind in LEFT_ITS_PLACE else None)
         elif self.state not in POWERED:
             self.state = ArmState.FAULT
             self._asked_off = False  # whoever shall be off is told again
@@ -517,9 +520,10 @@ class Arm:
             self._begin_stop(ArmState.FAULT)
 
     def _coast_unless_known(self, axis: int | None) -> None:
-        """A joint that is falling, or whose encoder told nonsense, as something else happens: where
-        its torque may act the wrong way round its drive's ramp is worse than none, and nobody looks
-        at it any more while the others' brakes close."""
+        """A joint that is falling, or whose encoder told nonsense, as something else happens, or
+        that leaves its place as its brake closes: where its torque may act the wrong way round its
+        drive's ramp, or what that holds it with, is worse than none, and nobody looks at it any
+        more while the others' brakes close."""
         if axis is None or self.right_way.known[axis] or not isinstance(self.backend, CutsPower):
             return
         with contextlib.suppress(Exception):
@@ -547,6 +551,17 @@ class Arm:
         self._by_drives = DrivesStop(self.path, self.backend.period)
         with contextlib.suppress(Exception):
             asked("quick_stop", self._brakes_by_drives())
+        if (ramped := self._ramped_already()) is not None:
+            self._leave_to_its_brake(ramped)  # a ramp anew would drive it on as long again
+
+    def _ramped_already(self) -> int | None:
+        """A joint that is too fast though its own drive was stopping it, or was holding it."""
+        brakes, fault = self.path.brakes, self.fault
+        if fault is None or fault.kind == "wrong_sign":
+            return None
+        if brakes.stopped_in_vain is not None or fault.axis != brakes.closing:
+            return brakes.stopped_in_vain
+        return fault.axis
 
     def _brakes_by_drives(self) -> Callable[[], None]:
         """How the drives stop their axes: one whose torque acts the wrong way round by its brake

@@ -51,6 +51,18 @@ class OneByOne:
         """Which one."""
         return None if self._caught is None else self._caught.axis
 
+    @property
+    def stopped_in_vain(self) -> int | None:
+        """The same where that has not slowed it."""
+        caught = self._caught
+        return caught.axis if caught is not None and caught.in_vain else None
+
+    @property
+    def closing(self) -> int | None:
+        """The joint that was held, and is by its own drive until its brake has closed."""
+        waits = self._out is not None and self._holding.alone is None and not self.stops
+        return self._last if waits else None
+
     def watch(self, period: float) -> None:
         """Violation where a joint that its drive stops gets faster meanwhile, or goes on."""
         if self._caught is not None:

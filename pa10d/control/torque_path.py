@@ -160,8 +160,9 @@ class TorquePath:
             fault.weighed = self.holding.blamed
             raise fault from violation
 
-    def watch(self, stopping_for_fault: bool) -> None:
-        """Violation where the arm left its envelope; a stop after a fault ends on runaway only."""
+    def watch(self, stopping_for_fault: bool, standing: bool = False) -> None:
+        """Violation where the arm left its envelope; a stop after a fault ends on runaway only.
+        standing: nothing may move by itself."""
         if self.limp:
             return
         self._stood.see(self.q, self.sent)
@@ -170,7 +171,7 @@ class TorquePath:
             self.holding.see()
         if not stopping_for_fault:
             self._places.see(self.q)
-            self._watch_envelope()
+            self._watch_envelope(standing)
             self._swings.watch(self.dq, self.reference, self.sent)
             self._watch_signs()
             if self.pushes:
@@ -186,11 +187,11 @@ class TorquePath:
         if len(bad):
             raise LoopFault("stop", "does not stop as asked", int(bad[0]))
 
-    def _watch_envelope(self) -> None:
+    def _watch_envelope(self, standing: bool) -> None:
         """A joint that swings is said to, however it leaves its envelope; of one that is away from
         its path, whether it has been there before."""
         try:
-            self.exit.watch(self.q, self.dq, self.age, self.reference.q, self.live)
+            self.exit.watch(self.q, self.dq, self.age, self.reference.q, self.live, standing)
         except LoopFault as violation:
             axis = violation.axis
             if axis is None or violation.kind == "stale" or not self._swings.suspected(axis):

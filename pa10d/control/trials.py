@@ -110,6 +110,7 @@ class Caught:
         self._speed, self._rise = abs(fell[0]), abs(fell[1])
         self._least, self._ramp = least, ramp
         self._passed, self._fast = 0.0, 0
+        self.in_vain = False  # its ramp had its time to begin, and it is faster than before that
 
     def watch(self, dq: Array, period: float) -> None:
         """One period on, with these speeds, (n,) rad/s: violation where it gets faster than by its
@@ -119,6 +120,7 @@ class Caught:
         until = max(BEGINS, LATE * period)
         most = self._speed + min(self._passed, until) * self._rise
         speed = abs(float(dq[self.axis]))
+        self.in_vain = self._passed >= until and speed > most
         self._fast = self._fast + 1 if speed > max(self._least, FASTER * most) else 0
         if self._fast >= FOR:
             raise LoopFault("wrong_sign", RAN_ON, self.axis)

@@ -108,6 +108,19 @@ def test_a_drive_that_drives_on_what_it_shall_stop_is_told_from_a_fall():
     assert stopped((0.3 + 100.0 * time)[:5]) == ("wrong_sign", 1), "before a ramp could begin"
 
 
+@pytest.mark.parametrize("braked", [True, False])
+def test_a_ramp_was_in_vain_once_it_had_its_time(braked):
+    """Not before: what falls gathers speed until it begins."""
+    caught, time = Caught(1, (-0.3, -8.0), 9.0, 7.0), PERIOD * np.arange(1, 20)
+    speeds = 0.3 + 8.0 * np.minimum(time, 0.02 if braked else 1.0)
+    told = []
+    for speed in speeds:
+        caught.watch(np.array([9.0, -speed]), PERIOD)
+        told.append(caught.in_vain)
+    assert any(told) != braked
+    assert not any(told[: round(0.03 / PERIOD) - 1])
+
+
 def test_a_drive_that_does_not_stop_it_is_named():
     assert stopped(np.append(np.linspace(0.3, 0.52, 8), np.full(200, 0.52))) == ("stop", 1)
     assert stopped(np.full(200, 0.48)) is None, "so slow a brake has it"

@@ -93,6 +93,103 @@ def test_a_joint_that_its_drive_stops_as_another_faults_is_left_to_its_brake(mak
     assert world.at_rest()
 
 
+def test_one_that_its_ramp_has_not_slowed_gets_no_other(make_world, monkeypatch):
+    """It was too fast at last, all drives were told to stop, and it was given the time anew in
+    which a ramp begins."""
+    monkeypatch.setattr("pa10d.control.trials.FOR", 10**6)  # nor is it seen otherwise
+    world, speeds = make_world(home=[0.0, 0.9, 0.9]), []
+    arm, mechanics = world.arm, world.drives.mechanics
+    first = first_gains(world.robot, world.profile.control, arm.path.limits.following_error)
+
+    def story():
+        world.say("connect")
+        yield world.is_in("inactive")
+        world.say("gains", gains=first.document(), bodies=None)
+        yield world.passes(0.1)
+        described, again = arm._gravity, arm.backend.try_again
+
+        def stopped():
+            falls = np.arange(world.robot.n) == arm.path.brakes.stopped
+            mechanics.motors = np.where(falls, -1.0, 1.0)
+            again()
+
+        arm._gravity = lambda q: 0.4 * described(q)
+        arm.backend.try_again = stopped
+        world.say("enable")
+        yield lambda: arm.path.brakes.stopped_in_vain is not None
+        falls = arm.path.brakes.stopped_in_vain
+        speeds.append(abs(mechanics.velocity[falls]))
+        arm._on_fault(LoopFault("not_held", "moves by itself", falls))
+
+        def ends():
+            speeds.append(abs(mechanics.velocity[falls]))
+            return world.state() == "fault"
+
+        yield ends
+        yield world.passes(0.5)
+
+    world.run(story())
+    assert max(speeds) < speeds[0] + 0.5, "5.7 rad/s before"
+    assert "got faster as its own drive" in world.faults[-1].sentence
+    assert world.at_rest()
+
+
+def test_nor_does_one_that_leaves_its_place_as_its_brake_closes_alone(make_world):
+    """It was held by friction, whatever its sign, and its drive holds it until its brake does."""
+    world, speeds = make_world(home=[0.0, 0.9, 0.9]), []
+    arm, mechanics = world.arm, world.drives.mechanics
+    first = first_gains(world.robot, world.profile.control, arm.path.limits.following_error)
+
+    def story():
+        world.say("connect")
+        yield world.is_in("inactive")
+        world.say("gains", gains=first.document(), bodies=None)
+        yield world.passes(0.1)
+        world.say("enable")
+        yield lambda: arm.path.brakes.closing == WRONG
+        mechanics.motors = np.where(np.arange(world.robot.n) == WRONG, -1.0, 1.0)
+
+        def ends():
+            speeds.append(abs(mechanics.velocity[WRONG]))
+            return world.state() == "fault"
+
+        yield ends
+        yield world.passes(0.5)
+
+    world.run(story())
+    assert max(speeds) < 1.2, "2.2 rad/s before"
+    assert "got faster as its own drive" in world.faults[-1].sentence
+    assert world.at_rest()
+
+
+def test_a_joint_that_leaves_its_place_as_its_brake_closes_is_left_to_that(make_world):
+    """Friction had held it, whatever its sign; as it is switched off its drive holds it meanwhile,
+    by a loop of its own: 5.8 rad/s and 0.7 rad, for nobody looked before it was too fast."""
+    world, seen = make_world(home=[0.0, 0.9, 0.9]), []
+
+    def story():
+        yield from held(world)
+        world.say("disable")
+        yield world.is_in("disabling")
+        mechanics = world.drives.mechanics
+        mechanics.motors = np.where(np.arange(world.robot.n) == WRONG, -1.0, 1.0)
+        at = mechanics.q[WRONG]
+
+        def ends():
+            seen.append((abs(mechanics.q[WRONG] - at), abs(mechanics.velocity[WRONG])))
+            return world.state() == "fault"
+
+        yield ends
+        yield world.passes(0.5)
+
+    world.run(story())
+    way, speed = np.max(seen, axis=0)
+    assert way < 0.05
+    assert speed < 1.5
+    assert "its power was taken away at once" in world.faults[-1].sentence
+    assert world.at_rest()
+
+
 def test_it_ramps_down_once_its_torque_has_shown_its_sign(world):
     n, seen = world.robot.n, []
 

@@ -32,8 +32,8 @@ def test_its_own_ramp_does_not_drive_it_on(world, kind, named, faster, jumps, ri
     seen, at = [], {}
     cycle = world.arm.path.watch
 
-    def watched(stopping_for_fault):
-        cycle(stopping_for_fault)
+    def watched(stopping_for_fault, standing):
+        cycle(stopping_for_fault, standing)
         if at:
             seen.append((world.drives.mechanics.q.copy(), world.drives.mechanics.velocity.copy()))
 
