@@ -22,10 +22,10 @@ from pa10d.common.errors import UserError
 from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
 from pa10d.control.carried import carried, share_of
 from pa10d.control.faults import (
+    IF_WRONG_WAY,
     RAN_ON,
     RAN_ON_RIGHTLY,
     UNSEEN,
-    WAY_ROUND,
     Fault,
     LoopFault,
     blamed_on_time,
@@ -587,7 +587,7 @@ class Arm:
             named = "" if axis == self.fault.axis else f"joint {axis + 1} "
             cause = f"{self.fault.cause}; {named}{ran_on}"
             told = replace(self.fault, cause=cause, weighed=0, alone_next=False)
-            self.fault = told if right else replace(told, remedy=WAY_ROUND)
+            self.fault = told if right else replace(told, remedy=IF_WRONG_WAY)
             self.journal.fault(self.fault)
 
     def _brake_on(self, fault: Fault) -> None:

@@ -17,6 +17,7 @@ WAY_ROUND = (
     "exchange two phases of its motor, or the drive's polarity (0x607E); 'sign' in the profile "
     "turns angle and torque together and does not mend this"
 )
+IF_WRONG_WAY = f"look at its load first; where its torque does act the wrong way round, {WAY_ROUND}"
 RAN_ON = (
     "got faster as its own drive stopped it, and was left to its brake: its torque acts the wrong "
     "way round, or its load is more than its motor holds"

@@ -63,5 +63,6 @@ def test_its_own_ramp_does_not_drive_it_on(world, kind, named, faster, jumps, ri
     said = world.faults[-1].sentence
     assert ("joint 2 got faster as its own drive" in said) == (named != WRONG)
     assert ("exchange two phases" in said) != right
+    assert ("look at its load first" in said) == (named != WRONG)
     assert ("more than its motor holds" in said) == (right or named != WRONG)
     assert [drive.brake_closed for drive in world.drives.drives] == world.robot.n * [True]
