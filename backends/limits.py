@@ -15,13 +15,14 @@ MOVABLE = ("revolute", "prismatic", "continuous")
 
 @dataclass(frozen=True)
 class AxisLimits:
-    """One joint: rad, rad/s, rad/s², N·m; inf where nothing is known."""
+    """One joint: rad and N·m, or m and N where it slides, and s; inf where nothing is known."""
 
     lower: float
     upper: float
     velocity: float
     acceleration: float
     torque: float
+    slides: bool = False
 
 
 def axis_limits(profile: Profile) -> list[AxisLimits]:
@@ -30,7 +31,7 @@ def axis_limits(profile: Profile) -> list[AxisLimits]:
     from_urdf = _urdf_limits(profile, axes)
     result = []
     for k in range(axes):
-        lower, upper, velocity, effort = from_urdf[k]
+        lower, upper, velocity, effort, slides = from_urdf[k]
         if given.position:
             lower, upper = given.position[k]
         result.append(
@@ -40,18 +41,19 @@ def axis_limits(profile: Profile) -> list[AxisLimits]:
                 velocity=given.velocity[k] if given.velocity else velocity,
                 acceleration=given.acceleration[k] if given.acceleration else inf,
                 torque=given.torque[k] if given.torque else effort,
+                slides=slides,
             )
         )
     return result
 
 
-def _urdf_limits(profile: Profile, axes: int) -> list[tuple[float, float, float, float]]:
-    unknown = (-inf, inf, inf, inf)
+def _urdf_limits(profile: Profile, axes: int) -> list[tuple[float, float, float, float, bool]]:
+    unknown = (-inf, inf, inf, inf, False)
     try:
         root = urdf_root(profile.urdf)
     except (OSError, ValueError):
         return [unknown] * axes
-    found: dict[str, tuple[float, float, float, float]] = {}
+    found: dict[str, tuple[float, float, float, float, bool]] = {}
     for joint in root.findall("joint"):
         limit = joint.find("limit")
         if joint.get("type") in MOVABLE:
@@ -61,6 +63,7 @@ def _urdf_limits(profile: Profile, axes: int) -> list[tuple[float, float, float,
                 _number(limit, "upper", inf) if has_range else inf,
                 _number(limit, "velocity", inf) or inf,
                 _number(limit, "effort", inf) or inf,
+                joint.get("type") == "prismatic",
             )
     names = profile.joints or movable_joints(root)
     return [found.get(name, unknown) for name in names] if len(names) == axes else [unknown] * axes

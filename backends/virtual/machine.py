@@ -9,6 +9,7 @@ import numpy as np
 
 from backends.eds import eds_path
 from backends.frames import frames
+from backends.limits import axis_limits
 from backends.ports import Port
 from backends.scaling import nameplate
 from backends.virtual.drives.drive import TEMPERATURE, VirtualDrive
@@ -40,7 +41,8 @@ class VirtualArm:
         self.port, self._outbox = port, list[bytes]()
         self.drives = [self._drive(profile, k) for k in range(len(profile.drives))]
         strength = np.array([drive.scaling.rated for drive in self.drives])
-        self.mechanics = Mechanics(self.plant, strength)
+        slides = np.array([limits.slides for limits in axis_limits(profile)])
+        self.mechanics = Mechanics(self.plant, strength, slides)
         for drive, angle in zip(self.drives, self.mechanics.q.tolist(), strict=True):
             drive.stands(angle)
         self._all = np.ones(len(self.drives), bool)

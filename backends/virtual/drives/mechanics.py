@@ -19,6 +19,7 @@ Bools = NDArray[np.bool_]
 
 INNER_STEP = 0.25e-3  # s
 STIFFNESS, DAMPING = 200.0, 1.0  # per N·m of the axis's largest torque: 1/rad and s/rad
+RADIAN = 0.1  # m of a slide: on a pinion of that size, or a screw that is stiffer yet
 BRAKE_STRENGTH = 1.2  # of the axis's largest torque
 SPEED_BAND = 0.2
 """Of a drive's largest speed: below it the torque that makes the axis faster is taken away, from
@@ -47,11 +48,14 @@ class Mechanics:
     with which they act, -1 where two phases are exchanged: then what a drive does against its speed
     makes it faster, and its brake alone brakes. A plant may say them."""
 
-    def __init__(self, plant: Any, strength: Array) -> None:
+    def __init__(self, plant: Any, strength: Array, slides: Bools | None = None) -> None:
+        """strength: (n,) N·m (N) that each drive gives; slides: (n,) whether it is N."""
         self.plant = plant
         self.q, self._current = (np.asarray(x, float) for x in plant.measure())
         n = len(self.q)
-        self._stiffness, self._damping = STIFFNESS * strength, DAMPING * strength
+        firm = np.where(False if slides is None else slides, 1.0 / RADIAN, 1.0)
+        self._pulls = STIFFNESS * firm  # of its largest torque, per rad
+        self._stiffness, self._damping = self._pulls * strength, DAMPING * firm * strength
         self._brake_limit = BRAKE_STRENGTH * strength
         self.motors = np.broadcast_to(np.asarray(getattr(plant, "motors", 1.0), float), n)
         self.velocity = np.zeros(n)
@@ -114,7 +118,7 @@ class Mechanics:
         np.maximum(self._highest, self.q, out=self._highest)
         if self._window <= SETTLE:
             return False
-        swings = (self._highest - self._lowest) * STIFFNESS > SWINGS
+        swings = (self._highest - self._lowest) * self._pulls > SWINGS
         if not swings.any():
             self._locked_for = LONGEST + dt
             return True
