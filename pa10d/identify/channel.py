@@ -91,13 +91,18 @@ def find_channel(
 def _vertex(known: Mapping[float, Array], best: float) -> tuple[float, float]:
     """Of the parabola through the best delay and its neighbours, in parts of the one that torque
     has, and its standard error: as far away twice the logarithm of the likelihood is less by one.
+    Where its neighbours suit as well, nobody knows.
     """
     tried = sorted(known)
     at = tried.index(best)
     if not 0 < at < len(tried) - 1:
         return best, float(np.inf)
     x = np.array(tried[at - 1 : at + 2])
-    bend, slope, _ = np.polyfit(x - best, [known[d].sum() for d in x], 2)
+    before, after = np.diff([float(known[d].sum()) for d in x]) / np.diff(x)
+    bend = (after - before) / (x[2] - x[0])  # Newton's divided differences: 0 of three alike
+    if not bend < 0.0:
+        return best, float(np.inf)
+    slope = before + bend * (best - x[0])
     return float(best - 0.5 * slope / bend), float(1.0 / np.sqrt(-bend))
 
 
