@@ -142,6 +142,16 @@ class CoastsUntilTrusted(Protocol):
 
 
 @runtime_checkable
+class ShowsRamps(Protocol):
+    """A backend whose drives tell that they brake their axes by themselves."""
+
+    @property
+    def ramping(self) -> NDArray[np.bool_]:
+        """(n,) as of the last ``read``: whether an axis is in its drive's own ramp."""
+        ...
+
+
+@runtime_checkable
 class CutsPower(Protocol):
     """A backend whose axes can each be left to their brakes alone."""
 

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Collection
 
 import numpy as np
+from numpy.typing import NDArray
 
 from backends import vendors
 from backends.bus_budget import BusBudget, require_fit
@@ -25,7 +26,7 @@ from backends.canopen_cia402.reaction import REACTION, Reactions
 from backends.canopen_cia402.scales import Scales
 from backends.canopen_cia402.watch import NEVER_FOLLOWED, SILENCE, Watch
 from backends.canopen_cia402.who_answers import NEAR, require_own
-from backends.cia402 import Control, FaultReaction
+from backends.cia402 import Control, DriveState, FaultReaction, state_of
 from backends.eds import eds_path, load_eds
 from backends.error_history import DriveErrors
 from backends.faults import fault, refusal
@@ -36,6 +37,7 @@ from pa10d.common.errors import UserError
 from pa10d.profile import Profile
 
 STOP_NODE = 2  # NMT
+RAMPS = (DriveState.QUICK_STOP, DriveState.REACTING)
 TRIAL_CYCLES = 3  # at the end of open
 KEEPS_REACTION = (
     f"Fault reaction option code (0x{REACTION:04X}) was not taken beside the cycle: its drive "
@@ -215,6 +217,10 @@ class CanopenBackend:
     def statuses(self) -> list[int]:
         """The last statusword of every axis."""
         return [seen.status for seen in self._exchange.axes]
+
+    @property
+    def ramping(self) -> NDArray[np.bool_]:
+        return np.array([state_of(word) in RAMPS for word in self.statuses()])
 
     def silent(self, axis: int) -> bool:
         """Whether the axis has not been heard for too long to be commanded."""

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.error_history import DriveErrors, KeepsErrors
-from backends.protocol import Backend, CoastsUntilTrusted, CutsPower, OpensOneByOne
+from backends.protocol import Backend, CoastsUntilTrusted, CutsPower, OpensOneByOne, ShowsRamps
 from pa10d.common.errors import UserError
 from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
 from pa10d.control.carried import carried, share_of
@@ -461,7 +461,8 @@ class Arm:
         if self.state not in (ArmState.STOPPING, ArmState.DISABLING):
             self._by_drives = None
             return
-        for axis in stop.runs_on(None if self.path.limp else ~self.path.live):
+        ramping = self.backend.ramping if isinstance(self.backend, ShowsRamps) else None
+        for axis in stop.runs_on(None if self.path.limp else ~self.path.live, ramping):
             if self._stop is None:
                 self.path.let_go()
                 self._asked_off = False  # as it is cut off nobody goes on switching the others off

@@ -28,7 +28,8 @@ BRAKED = 0.5  # s at rest before brakes close at most: what creeps or turns roun
 GENTLEST = 0.1  # of the acceleration limit, however soft the servo
 DRIVES_STOP = 2.0  # s for the drives' own quick stop
 FASTER, MUCH = 1.3, 0.5  # times as fast as it was, and of the speed limit: no ramp makes it so …
-BEGINS, LATE = 0.03, 4  # … once it has begun, s or periods: what falls gathers speed until then
+BEGINS, LATE = 0.03, 4  # … once it has begun, s or periods: what falls gathers speed until then …
+SHOWN = 2  # … or periods since its drive shows it: one for the torque to act, one to be measured
 
 
 class StopProgress(Enum):
@@ -51,17 +52,21 @@ class DrivesStop:
         self._cap = np.maximum.reduce([self._most, velocity, falls])
         self._least = np.full(len(velocity), np.inf)  # rad/s since ramps began
         self._ran_on = np.zeros(len(velocity), dtype=bool)
+        self._shown = np.zeros(len(velocity), dtype=np.int64)  # cycles in its ramp
 
-    def runs_on(self, among: NDArray[np.bool_] | None = None) -> list[int]:
+    def runs_on(
+        self, among: NDArray[np.bool_] | None = None, ramping: NDArray[np.bool_] | None = None
+    ) -> list[int]:
         """Axes that get faster though their drives brake them, each told once: motor or encoder are
         the wrong way round, or what it bears is more than its drive can hold. So is one whose
         encoder has told nonsense, if it goes on telling; of others that are given up nothing is
-        known. among: (n,) which; None: all."""
+        known. among: (n,) which; None: all. ramping: (n,) which drives show that they brake now;
+        None: they never do."""
         path, speed = self._path, np.abs(self._path.dq)
-        if path.time < self._begins:
-            self._most = np.clip(FASTER * speed, self._most, self._cap)
-        else:
-            self._least = np.minimum(self._least, speed)
+        self._shown += 0 if ramping is None else ramping
+        begun = (path.time >= self._begins) | (self._shown > SHOWN)
+        self._most = np.where(begun, self._most, np.clip(FASTER * speed, self._most, self._cap))
+        self._least = np.where(begun, np.minimum(self._least, speed), self._least)
         again = speed > self._least + path.limits.velocity  # no ramp does, however fast it was
         fast = ((speed > self._most) | again) & (path.live | (path.age == 0)) & ~self._ran_on
         if among is not None:
