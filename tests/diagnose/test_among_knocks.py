@@ -70,11 +70,16 @@ def test_what_is_found_beside_a_gap_holds_clear_of_its_knocks(monkeypatch, knock
 @pytest.mark.parametrize(
     ("passed", "thought", "said"),
     [
-        ("20 Hz", "", "has passed 20 Hz, or something like it, and identification, without"),
-        ("20 Hz", "10 Hz", "without that, took it for 10 Hz; the model"),
+        ("20 Hz", "", "has passed 20 Hz, or something like it (identification saw none)"),
+        ("20 Hz", "10 Hz", "(identification took it for 10 Hz); the model fitted anew"),
         ("", "10 Hz", "took the recorded torque to have passed 10 Hz; beside what is told here it"),
     ],
-)  # fmt: skip
+)
 def test_what_the_torque_has_passed_is_told_beside_what_identification_saw(passed, thought, said):
-    (line,) = Diagnosis._smoothed(SimpleNamespace(passed=passed, thought=thought))
-    assert said in line
+    told = SimpleNamespace(passed=passed, thought=thought, findings=())
+    (alone,) = Diagnosis._smoothed(told)
+    assert said in alone
+    told.findings = ("a gap",)
+    (beside,) = Diagnosis._smoothed(told)
+    assert said in beside
+    assert ("beside all that is told here" in beside) == bool(passed)

@@ -290,11 +290,11 @@ class Diagnosis:
                 "what is told here it shows no low-pass, it is only late: the model fitted anew "
                 "goes without",
             )
-        without = f"took it for {self.thought}" if self.thought else "saw none"
+        saw = f"took it for {self.thought}" if self.thought else "saw none"
+        beside = ", which shows as it is beside all that is told here" if self.findings else ""
         return (
-            "the torque channel smooths, which shows as it is beside all that is told here: the "
-            f"recorded torque has passed {self.passed}, or something like it, and identification, "
-            f"without that, {without}; the model fitted anew accounts for it",
+            f"the torque channel smooths{beside}: the recorded torque has passed {self.passed}, or "
+            f"something like it (identification {saw}); the model fitted anew accounts for it",
         )
 
     def _lighter(self) -> tuple[str, ...]:

@@ -70,7 +70,8 @@ def tuned(state: SearchState) -> SearchState:
 
 def channel_words(state: SearchState) -> str:
     """``a low-pass of first order at 20.7 ± 3 Hz``, with its error under the noise that is left
-    clear of knocks, shapes free; nothing where there is none."""
+    clear of knocks, shapes free, or as joints contradict each other, what that makes more; nothing
+    where there is none."""
     now = state.train.runs[0].lowpass.channel
     if now is None:
         return ""
@@ -79,7 +80,9 @@ def channel_words(state: SearchState) -> str:
     changed = moved_by(seen, torque_of(seen), other, now)
     own = _beyond(seen, changed, shape_slopes(seen))
     power = sum(float(o @ o) for o in own.values())
-    variance = sum(_variance(seen, own, seen.fit.residual))
+    noise = _variance(seen, own, seen.fit.residual)
+    apart = [float(own[j] @ seen.fit.residual[j]) ** 2 for j in own]
+    variance = max(sum(noise), sum(apart) * len(apart) / (len(apart) - 1))
     return now.give_or_take(CHANNEL_STEP * float(np.sqrt(variance)) / max(power, 1e-300))
 
 
