@@ -75,7 +75,7 @@ def find_channel(
         return likelihood(_of(kind, times * shift.seconds)) - none
 
     tried = {kind: {d: gain(kind, d) for d in DELAYED} for kind in DELAYS}
-    kind = max(tried, key=lambda k: max(g.sum() for g in tried[k].values()))
+    kind = _as_late(tried)
     known = tried[kind]
     for _ in range(CLOSER):
         for d in between(sorted(known), _best(known)):
@@ -86,6 +86,14 @@ def find_channel(
         return None
     times, error = _vertex(known, best)
     return FoundChannel(_of(kind, times * shift.seconds), error * shift.seconds)
+
+
+def _as_late(tried: Mapping[str, Mapping[float, Array]]) -> str:
+    """Of the kinds that are hardly told from the best one that which is nearest to being as late as
+    torque is: of what is later angles would have to be late as well."""
+    most = {kind: float(known[_best(known)].sum()) for kind, known in tried.items()}
+    alike = [kind for kind, gain in most.items() if gain > max(most.values()) - AGREED**2]
+    return min(alike, key=lambda kind: abs(_best(tried[kind]) - 1.0))
 
 
 def _vertex(known: Mapping[float, Array], best: float) -> tuple[float, float]:

@@ -16,6 +16,7 @@ from pa10d.diagnose.regression.behind import perhaps_smoothed
 from pa10d.diagnose.regression.clear_of_knocks import clear_of_knocks
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search import channel
 from pa10d.diagnose.search.channel import behind_channel, channel_words, tuned
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.steps import Search
@@ -24,6 +25,7 @@ from pa10d.effects import effect
 from pa10d.effects.context import Context
 from pa10d.effects.library.backlash import CONTACT_HZ
 from pa10d.effects.twist import twisted_torque
+from pa10d.identify import channel as identify_channel
 from pa10d.identify.procedure import identify
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import delayed
@@ -130,6 +132,22 @@ def test_a_low_pass_that_does_not_show_beside_what_was_found_goes():
     state = SearchState.start(replace(late, shift=LATE, channel=passed), train, held)
     assert state.train.runs[0].lowpass.channel == passed
     assert behind_channel(state).model.channel is None
+
+
+@pytest.mark.parametrize(("loses", "kind"), [(1.0, "first order"), (40.0, "mean")])
+def test_of_kinds_that_are_hardly_told_apart_one_as_late_as_torque_is_taken(
+    monkeypatch, loses, kind
+):
+    """A crane behind a first-order low-pass of 16 ms had "passed a mean over 57 ms", half of which
+    is 28: angles would be late by 13 ms."""
+    state = taken_for_late((0, 1))
+    few = np.ones(2)
+    first = TorqueFilter("first order", LATE), (90.0 * few, few)
+    mean = TorqueFilter("mean", 3.5 * LATE), (92.0 * few, few)
+    monkeypatch.setattr(channel, "_asking", lambda *_: lambda _: (-loses * few, 2.0 * few))
+    assert channel._as_late(state, [first, mean])[0].kind == kind
+    known = {"first order": {1.0: (92.0 - loses) * few}, "mean": {1.75: 92.0 * few}}
+    assert identify_channel._as_late(known) == kind
 
 
 def test_a_low_pass_is_told_with_its_error():

@@ -43,7 +43,7 @@ def behind_channel(state: SearchState) -> SearchState | None:
     (seen,) = clear_of_knocks(state)
     asks = _asking(seen, {})
     each = {k: _of_kind(k, first.shift / late, asks) for k, late in DELAYS.items()}
-    channel, (gains, errors) = max(each.values(), key=lambda one: float(one[1][0].sum()))
+    channel, (gains, errors) = _as_late(seen, list(each.values()))
     to: TorqueFilter | None = channel
     if first.lowpass.channel is None:
         if not _agreed(gains, errors):
@@ -54,6 +54,21 @@ def behind_channel(state: SearchState) -> SearchState | None:
         return None  # it is known already, but for chance
     before, after = sizes(seen), sizes(seen.behind(to))
     return state.behind(to) if np.all(after.sum(axis=1) < before.sum(axis=1)) else None
+
+
+def _as_late(
+    state: SearchState, each: list[tuple[TorqueFilter, Gains]]
+) -> tuple[TorqueFilter, Gains]:
+    """Of the best of each kind, and of those that are hardly told from it, the one that is nearest
+    to being as late as torque is: of what is later angles would have to be late as well."""
+    best = max(each, key=lambda one: float(one[1][0].sum()))
+    late = state.train.runs[0].shift
+    sooner = [one for one in each if abs(one[0].delay - late) < abs(best[0].delay - late)]
+    if not sooner:
+        return best
+    asks = _asking(state.behind(best[0]), {})
+    alike = [one for one in sooner if _over(*asks(one[0])) > -AGREED]
+    return min([best, *alike], key=lambda one: abs(one[0].delay - late))
 
 
 def tuned(state: SearchState) -> SearchState:
