@@ -49,10 +49,10 @@ def _recorded(state: SearchState, torque: list[Array]) -> PerJoint:
 
 def channel_slopes(state: SearchState) -> PerJoint:
     """joint -> (m_j, s) weighted: how the model's torque moves with what it is late by, per second,
-    and with the channel's own time, where that is known; (m_j, 0) where the torque is not late, and
-    of a model that stays as it was, which knows its own."""
+    and with the channel's own time, where that is known; (m_j, 0) of a model that stays as it was,
+    which knows its own. An offset in time that was not taken out is as unsure as it was found."""
     channel = state.train.runs[0].lowpass.channel
-    if state.frozen or not (channel or _smoothed_perhaps(state)):
+    if state.frozen:
         return _none(state)
     torque = torque_of(state)
     rates = [
