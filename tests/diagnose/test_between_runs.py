@@ -129,6 +129,14 @@ def test_friction_that_rises_at_a_moment_is_told_with_its_size():
     assert f"as if {one.came} {one.at:.1f} s into fit_b" in one.words
 
 
+def test_friction_that_rises_in_a_fitted_run_is_told_likewise():
+    risen = recordings(5, rising_by(lambda t: 0.6 * (t > MOMENT)))["fit_b"]
+    (one,) = told_of({**recordings(5), "fit_b": risen})
+    assert (one.joint, one.runs) == (1, ("fit_b",))
+    assert one.at == pytest.approx(MOMENT, abs=0.15)
+    assert one.came.startswith(("Coulomb friction rose by 0.59", "Coulomb friction rose by 0.60"))
+
+
 @pytest.mark.long
 def test_friction_that_falls_at_a_moment_falls():
     (one,) = told_of_the_day(rising_by(lambda t: -0.6 * (t > HELD_OUT)))
