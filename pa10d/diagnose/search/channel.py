@@ -35,23 +35,29 @@ def behind_channel(state: SearchState) -> SearchState | None:
     """The same behind the low-pass that suits all joints best, all shapes as they are, asked clear
     of knocks; None where torque is not late, where none is significant beside what is known of it,
     where all joints but the one that asks most would not ask for it, or where motion held out is no
-    better told with it. One that identification saw has to show beside what was found, too."""
+    better told with it. One that identification saw has to show beside what was found, too; and
+    none takes its place that is farther from being as late as torque is: what a law is off by asks
+    for smoothness, and that angles are late as well is a claim of its own."""
     first = state.train.runs[0]
     late = first.shift * first.lowpass.cutoff
     if state.frozen or late < LEAST_DELAY or state.train.n < 2:
         return None
     (seen,) = clear_of_knocks(state)
     asks = _asking(seen, {})
-    each = {k: _of_kind(k, first.shift / late, asks) for k, late in DELAYS.items()}
-    channel, (gains, errors) = _as_late(seen, list(each.values()))
-    to: TorqueFilter | None = channel
-    if first.lowpass.channel is None:
-        if not _agreed(gains, errors):
+    each = [_of_kind(k, first.shift / late, asks) for k, late in DELAYS.items()]
+    to, gains = _as_late(seen, each)
+    now = first.lowpass.channel
+    if now is None:
+        if not _agreed(*gains):
             return None
-    elif not _agreed(*_asking(seen.behind(None), {})(channel)):
+    elif not _agreed(*_asking(seen.behind(None), {})(to)):
         to = None
-    elif _over(gains, errors) < AGREED:
-        return None  # it is known already, but for chance
+    else:
+        off = abs(now.delay - first.shift)
+        nearer = [one for one in each if abs(one[0].delay - first.shift) <= off]
+        to, gains = _as_late(seen, nearer) if nearer else (now, gains)
+        if to == now or _over(*gains) < AGREED:
+            return None  # it is known already, but for chance
     before, after = sizes(seen), sizes(seen.behind(to))
     return state.behind(to) if np.all(after.sum(axis=1) < before.sum(axis=1)) else None
 
