@@ -9,7 +9,7 @@ from two_links import motion, recordings, robot, state_of, textbook, textbook_to
 
 from pa10d.diagnose.outcome.diagnosis import Finding
 from pa10d.diagnose.outcome.doubts import _beside_more, _or_base
-from pa10d.diagnose.outcome.found import _size, sized
+from pa10d.diagnose.outcome.found import _size, _size_told, sized
 from pa10d.diagnose.outcome.words import none_found, nothing, sentence
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
@@ -289,3 +289,21 @@ def test_the_size_of_an_effect_is_as_unsure_as_its_torque_constant():
     told = _size(state, 0, SimpleNamespace(evidence=SimpleNamespace(slope=1.0, z=1000.0)))
     assert (told.value, told.unit) == (3.0, "N·m")
     assert told.std_error == pytest.approx(np.hypot(0.05 * 3.0, 0.003))
+
+
+@pytest.mark.parametrize(
+    ("known", "share", "other_than_zero", "told"),
+    [
+        (True, False, False, True),  # K within 9 %: "how large it is, this data hardly says"
+        (False, False, False, False),
+        (False, True, True, True),
+        (False, True, False, False),
+    ],
+)
+def test_the_size_of_what_has_a_share_alone_is_in_its_shape(known, share, other_than_zero, told):
+    spring = Term("joint_elasticity", (0,), np.array([1.0]), {"K": 6e4, "zeta": 0.1})
+    parameters = {
+        "share": Value(1.0, 0.9, "1", determined=share),
+        "K": Value(6e4, 5e3, "N·m/rad", determined=known),
+    }
+    assert _size_told(spring, parameters, other_than_zero) is told

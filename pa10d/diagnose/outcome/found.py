@@ -75,7 +75,7 @@ def finding(search: Search, given: int, index: int, versions: Sequence[TorqueMod
             confusions,
             state.frozen,
             others,
-            sized(versions[-1], index) and _size_told(term, parameters),
+            _size_told(term, parameters, sized(versions[-1], index)),
             (_without(state, index, judged.evidence.before), judged.evidence.after),
         )
         + (none and f" But {none}.")
@@ -105,10 +105,16 @@ def sized(model: TorqueModel, index: int) -> bool:
     return bool(apart @ turned @ apart > scipy.special.chdtri(len(values), SIZED_LEVEL))
 
 
-def _size_told(term: Term, parameters: Mapping[str, Value]) -> bool:
-    """Is one of its sizes an estimate, or all that there is to say in its shape?"""
-    told = [parameters[c.name] for c in term.effect.coefficients if c.name in parameters]
-    return not told or any(value.determined or value.beyond for value in told)
+def _size_told(term: Term, parameters: Mapping[str, Value], other_than_zero: bool) -> bool:
+    """Is one of its sizes an estimate? other_than_zero: its coefficients, by their own errors. The
+    size of what has a share of its law alone, as gaps and springs have, is in its shape."""
+    told = [c for c in term.effect.coefficients if c.name in parameters]
+    if told and all(c.whole_at_one for c in told):
+        sizes = (s for s in term.effect.shapes if not s.smoothing and s.scale != "choice")
+        if any(parameters[s.name].determined for s in sizes if s.name in parameters):
+            return True
+    known = [parameters[c.name] for c in told]
+    return other_than_zero and (not known or any(v.determined or v.beyond for v in known))
 
 
 def _size(state: SearchState, index: int, judged: JudgedCandidate) -> Value:
