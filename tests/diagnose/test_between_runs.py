@@ -13,8 +13,10 @@ from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.suspects import suspects
-from pa10d.diagnose.unknown.between_runs import contradiction, unlike_fitted
+from pa10d.diagnose.unknown.between_runs import _brought, contradiction, unlike_fitted
 from pa10d.dynamics import inverse_dynamics
+from pa10d.effects import effect
+from pa10d.effects.base import Value
 from pa10d.measurement.recording import Recording
 from pa10d.report.finding_section import Asked
 from pa10d.report.unexplained_section import unexplained_section
@@ -299,3 +301,19 @@ def test_what_all_runs_have_came_and_went_in_none():
     assert all(one.all_along for one in told.values())
     assert told[1].effects == ("a spring",)
     assert told[1].words == "as if a spring were there in all of them"
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "before", "said"),
+    [
+        ("payload", Value(1.4, 0.07, "kg"), False, "a payload of 1.4 ± 0.07 kg came"),
+        ("payload", Value(1.4, 0.07, "kg"), True, "a payload of 1.4 ± 0.07 kg went"),
+        ("payload", Value(-0.6, 0.03, "kg"), False, "a payload of 0.6 ± 0.03 kg went"),
+        ("payload", Value(-0.6, 0.03, "kg"), True, "a payload of 0.6 ± 0.03 kg came"),
+        ("coulomb", Value(-0.5, 0.1, "N·m"), False, "Coulomb friction fell by 0.5 ± 0.1 N·m"),
+        ("torque_offset", Value(-0.2, 0.1, "N·m"), False, "a torque offset of -0.2 ± 0.1 N·m came"),
+    ],
+)
+def test_a_load_that_the_model_had_goes_and_none_weighs_less_than_nothing(kind, size, before, said):
+    """ "A payload of -0.6 kg came" was what an arm did that put its load down."""
+    assert _brought(effect(kind), size, before) == said

@@ -39,6 +39,7 @@ from pa10d.diagnose.unknown.own_part import OwnPart, beside, lasting, own_part
 from pa10d.diagnose.unknown.parts import ByAndBy, InPart, InPlace, seconds_of
 from pa10d.diagnose.unknown.structure import strongest_maps
 from pa10d.effects import Effect, Shape
+from pa10d.effects.base import Value
 from pa10d.model import Term
 from pa10d.model.term import as_told
 
@@ -258,12 +259,18 @@ def _came(state: SearchState, fit: LeastSquares, own: _Own) -> str:
     values = kind.values(own.theta, covariance, shape, {})
     term = Term(kind.id, own.joints, own.theta, shape)
     size = next(iter(as_told(state.model.robot, term, values).values()))
-    if not size.determined:
-        return ""
+    return _brought(kind, size, part.before) if size.determined else ""
+
+
+def _brought(kind: Effect, size: Value, before: bool) -> str:
+    """before: the part before the moment has it. What cannot be less than nothing went where the
+    model had it and a part has less: a load that was put down."""
+    if kind.coefficients[0].lower < 0.0:
+        return f"{kind.named} of {size} {'went' if before else 'came'}"
+    more = (size.value > 0.0) != before
     if kind.rubs:
-        rose = (size.value > 0.0) != part.before
-        return f"{kind.named} {'rose' if rose else 'fell'} by {abs(size)}"
-    return f"{kind.named} of {size} {'went' if part.before else 'came'}"
+        return f"{kind.named} {'rose' if more else 'fell'} by {abs(size)}"
+    return f"{kind.named} of {abs(size)} {'came' if more else 'went'}"
 
 
 def _told_by_motion(state: SearchState, best: _Own) -> bool:
