@@ -42,7 +42,8 @@ class VirtualArm:
         self.drives = [self._drive(profile, k) for k in range(len(profile.drives))]
         strength = np.array([drive.scaling.rated for drive in self.drives])
         slides = np.array([limits.slides for limits in axis_limits(profile)])
-        self.mechanics = Mechanics(self.plant, strength, slides)
+        count = np.array([1.0 / drive.scaling.counts_per_radian for drive in self.drives])
+        self.mechanics = Mechanics(self.plant, strength, slides, count)
         for drive, angle in zip(self.drives, self.mechanics.q.tolist(), strict=True):
             drive.stands(angle)
         self._all = np.ones(len(self.drives), bool)

@@ -2,7 +2,8 @@
 
 The plant knows only torque, so everything that stops an axis is a torque here. While an axis is
 stopped, slowed or braked the plant is stepped finely, as the current and speed loops inside a real
-drive run far faster than the bus.
+drive run far faster than the bus. A brake acts on the axis, not on what its encoder tells: of a
+plant that says nothing but that, speed is taken over as many steps as a coarse encoder needs.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ Bools = NDArray[np.bool_]
 
 INNER_STEP = 0.25e-3  # s
 STIFFNESS, DAMPING = 200.0, 1.0  # per N·m of the axis's largest torque: 1/rad and s/rad
+ONE_COUNT = 0.2  # of an axis's largest torque, that one count of its encoder brakes by at most …
+LONGEST_SPAN = 100  # … but over no more than so many inner steps
 RADIAN = 0.1  # m of a slide: on a pinion of that size, or a screw that is stiffer yet
 BRAKE_STRENGTH = 1.2  # of the axis's largest torque
 SPEED_BAND = 0.2
@@ -48,8 +51,15 @@ class Mechanics:
     with which they act, -1 where two phases are exchanged: then what a drive does against its speed
     makes it faster, and its brake alone brakes. A plant may say them."""
 
-    def __init__(self, plant: Any, strength: Array, slides: Bools | None = None) -> None:
-        """strength: (n,) N·m (N) that each drive gives; slides: (n,) whether it is N."""
+    def __init__(
+        self,
+        plant: Any,
+        strength: Array,
+        slides: Bools | None = None,
+        count: Array | None = None,
+    ) -> None:
+        """strength: (n,) N·m (N) that each drive gives; slides: (n,) whether it is N; count: (n,)
+        rad (m) of one count of its encoder, None: none to be seen."""
         self.plant = plant
         self.q, self._current = (np.asarray(x, float) for x in plant.measure())
         n = len(self.q)
@@ -57,6 +67,15 @@ class Mechanics:
         self._pulls = STIFFNESS * firm  # of its largest torque, per rad
         self._stiffness, self._damping = self._pulls * strength, DAMPING * firm * strength
         self._brake_limit = BRAKE_STRENGTH * strength
+        spans = np.ones(n)
+        if count is not None:
+            jumps = DAMPING * firm * count / INNER_STEP
+            spans = np.clip(np.ceil(jumps / ONE_COUNT - 1e-9), 1, LONGEST_SPAN)
+        self._coarse = spans > 1
+        self._exactly = getattr(plant, "angles", None) if self._coarse.any() else None
+        exact = np.zeros(n, bool) if self._exactly is None else self._coarse
+        self._spans = np.where(exact, 1, spans).astype(np.int64)  # inner steps of each speed
+        self._seen = np.empty((0, n))  # rad, of the last inner steps
         self.motors = np.broadcast_to(np.asarray(getattr(plant, "motors", 1.0), float), n)
         self.velocity = np.zeros(n)
         self._brake_torque = np.zeros(n)
@@ -82,6 +101,7 @@ class Mechanics:
         """Let ``dt`` seconds pass with every axis free and given ``torque`` (n,), N·m."""
         if self._interfered:
             self._interfered, self._locked_for = False, 0.0
+            self._seen = self._seen[:0]
             self._brake_torque[:] = 0.0
             self._was_braked[:] = self._was_stopping[:] = False
         self._last_torque = torque
@@ -95,17 +115,21 @@ class Mechanics:
         if self._rigid(dt):
             self._was_braked[:] = True
             self._brake_torque[:] = 0.0
+            self._seen = self._seen[:0]
             return
         if not (act.braked | act.stopping | act.racing).any():
             self.follow(np.where(act.powered, act.torque, 0.0), dt)
             return
-        self._begin(act)
         steps = ceil(dt / INNER_STEP - 1e-9)
-        q, velocity = self.q, self.velocity
+        q, velocity = self._is_at(), self.velocity
+        self._begin(act, q)
+        if not len(self._seen):
+            back = np.arange(self._spans.max(), -1, -1)[:, np.newaxis]
+            self._seen = q - back * velocity * (dt / steps)
         for _ in range(steps):
             self._inner(act, q, velocity, dt / steps)
-            seen = np.asarray(self.plant.measure()[0], float)
-            q, velocity = seen, (seen - q) * (steps / dt)
+            q = self._is_at()
+            velocity = self._speed(q, steps / dt)
 
     def _rigid(self, dt: float) -> bool:
         """Whether all is at rest behind closed brakes, which give way to a link that swings."""
@@ -129,12 +153,12 @@ class Mechanics:
         """How far each axis goes in a window from now on: s, rad."""
         self._window, self._lowest, self._highest = 0.0, self.q.copy(), self.q.copy()
 
-    def _begin(self, act: Actuation) -> None:
+    def _begin(self, act: Actuation, q: Array) -> None:
         newly = act.braked & ~self._was_braked
-        self._brake_at = np.where(newly, self.q, self._brake_at)
+        self._brake_at = np.where(newly, q, self._brake_at)
         self._was_braked = act.braked.copy()
         newly = act.stopping & ~self._was_stopping
-        self._stop_at = np.where(newly, self.q, self._stop_at)
+        self._stop_at = np.where(newly, q, self._stop_at)
         self._stop_speed = np.where(newly, self.velocity, self._stop_speed)
         self._stop_torque = np.where(newly, self._last_torque, self._stop_torque)
         self._was_stopping = act.stopping.copy()
@@ -155,11 +179,28 @@ class Mechanics:
         motor = np.where(act.powered, motor, 0.0)
         drag = self._stiffness * (self._brake_at - q) - self._damping * velocity
         brake = np.clip(drag, -self._brake_limit, self._brake_limit)
-        # a slipping brake holds where it has slipped to, it does not spring back
-        self._brake_at = q + (brake + self._damping * velocity) / self._stiffness
+        # a slipping brake holds where it has slipped to, it does not spring back; what looks fast
+        # for one count alone has not slipped
+        pulled = self._stiffness * (self._brake_at - q)
+        pulled = np.clip(pulled, -self._brake_limit, self._brake_limit)
+        pulled = np.where(self._spans > 1, pulled, brake + self._damping * velocity)
+        self._brake_at = q + pulled / self._stiffness
         self._brake_torque = np.where(act.braked, brake, 0.0)
         self._last_torque = motor
         self.plant.step(self.motors * motor + self._brake_torque, h)
+
+    def _is_at(self) -> Array:
+        """rad, (n,): of what has a fine encoder, what that tells."""
+        q = np.asarray(self.plant.measure()[0], float)
+        if self._exactly is None:
+            return q
+        return np.where(self._coarse, np.asarray(self._exactly(), float), q)
+
+    def _speed(self, q: Array, rate: float) -> Array:
+        """rad/s, (n,), by the last inner steps, so many of them a second."""
+        self._seen = np.vstack([self._seen[1:], q])
+        before = self._seen[-1 - self._spans, np.arange(len(q))]
+        return (q - before) * (rate / self._spans)
 
     def _slowed(self, act: Actuation, velocity: Array) -> Array:
         """The commanded torque, N·m, as far as the drive's largest speed lets it through."""

@@ -140,6 +140,12 @@ class Plant:
         """What encoders (rad) and current sensors (N·m) reported last, (n,) each."""
         return self._reading.q.copy(), self._reading.torque.copy()
 
+    def angles(self) -> Array:
+        """Where the encoders' axes are, rad, (n,), whatever the encoders tell."""
+        joints = self._figures.joints
+        angles: Array = self.state.q[joints["rotor"]] + joints["encoder_offset"]
+        return angles
+
     def temperature(self) -> Array:
         """Joint temperatures, °C, (n,)."""
         return celsius(self.physics.warmth, self.state.warm)
