@@ -90,12 +90,19 @@ def profile_budget(profile: Profile) -> BusBudget:
     )
 
 
+def wrong_with_rate(profile: Profile, budget: BusBudget) -> str | None:
+    """Which rate the profile asks for, and the highest one that fits: one line, or None."""
+    if budget.fits:
+        return None
+    return (
+        f"{profile.path}: control.rate: found {budget.rate:g} Hz, expected at most "
+        f"{floor(budget.max_rate)} Hz on {budget.bitrate / 1000:g} kbit/s ({budget.sentence()})"
+    )
+
+
 def require_fit(profile: Profile) -> BusBudget:
     """The profile's budget, or UserError with the highest rate that fits."""
     budget = profile_budget(profile)
-    if not budget.fits:
-        raise UserError(
-            f"{profile.path}: control.rate: found {budget.rate:g} Hz, expected at most "
-            f"{floor(budget.max_rate)} Hz on {budget.bitrate / 1000:g} kbit/s ({budget.sentence()})"
-        )
+    if (wrong := wrong_with_rate(profile, budget)) is not None:
+        raise UserError(wrong)
     return budget

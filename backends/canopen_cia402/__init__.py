@@ -1,6 +1,6 @@
 """CiA 402 drives on CANopen, in cyclic synchronous torque mode."""
 
-from backends.bus_budget import profile_budget
+from backends.bus_budget import profile_budget, wrong_with_rate
 from backends.cia402 import remarks, state_of
 from backends.device import Device
 from backends.protocol import Backend
@@ -15,7 +15,9 @@ def open_backend(profile: Profile) -> Backend:
 
 
 def _lacking(profile: Profile) -> str | None:
-    return None if profile.drives else f"profile {profile.name} names no drives"
+    if not profile.drives:
+        return f"profile {profile.name} names no drives"
+    return wrong_with_rate(profile, profile_budget(profile))
 
 
 DEVICE = Device(state_of, remarks, profile_budget, _lacking)

@@ -12,6 +12,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from backends.registry import device
 from pa10d.client import Client, local_daemon
 from pa10d.common.errors import UserError
 from pa10d.daemon.processes.simulator import simulated_bus, wants_simulator
@@ -30,6 +31,8 @@ class Bench:
                 f"{profile.path}: the demo moves a simulated arm; expected a profile with "
                 "'simulation' and can.interface: virtualbus, such as pa10-sim"
             )
+        if (lacking := device(profile).lacking(profile)) is not None:
+            raise UserError(lacking)
         self.profile, self._hidden, self._seed = profile, hidden, seed
         self.channel = f"demo-{os.getpid()}-{time.time_ns() % 10**9}"
         self._simulator = contextlib.ExitStack()

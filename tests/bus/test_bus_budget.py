@@ -11,7 +11,10 @@ from bus_helpers import make_profile
 
 from backends.bus_budget import bus_budget, profile_budget, require_fit, worst_case_bits
 from backends.canopen_cia402.backend import CanopenBackend
+from backends.registry import device
 from pa10d.common.errors import UserError
+from pa10d.demo.bench import Bench
+from pa10d.demo.hidden import Hidden
 
 FACTS = Path(__file__).parents[3] / "shared" / "pa10" / "pa10_facts.yaml"
 
@@ -80,6 +83,16 @@ def test_a_rate_that_fits_exactly_is_taken_and_one_more_is_not(tmp_path: Path) -
     too_fast = make_profile(tmp_path, 7, control={"rate": float(most + 1)})
     with pytest.raises(UserError, match=rf"control.rate: found {most + 1} Hz.* {most} Hz"):
         CanopenBackend(too_fast)
+
+
+def test_a_rate_that_does_not_fit_is_told_before_any_process_starts(tmp_path: Path) -> None:
+    """The control process ended with that line and was started again, for ever; the demo said it
+    after three minutes."""
+    too_fast = make_profile(tmp_path, 7, control={"rate": 1000.0})
+    assert "control.rate: found 1000 Hz" in (device(too_fast).lacking(too_fast) or "")
+    assert device(too_fast).lacking(make_profile(tmp_path, 7)) is None
+    with pytest.raises(UserError, match="control.rate: found 1000 Hz"):
+        Bench(too_fast, Hidden(), seed=1)
 
 
 def test_bitrate_heartbeats_and_reserve_count(tmp_path: Path) -> None:
