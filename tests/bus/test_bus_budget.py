@@ -91,7 +91,7 @@ def test_a_rate_that_does_not_fit_is_told_before_any_process_starts(tmp_path: Pa
     too_fast = make_profile(tmp_path, 7, control={"rate": 1000.0})
     assert "control.rate: found 1000 Hz" in (device(too_fast).lacking(too_fast) or "")
     assert device(too_fast).lacking(make_profile(tmp_path, 7)) is None
-    with pytest.raises(UserError, match="control.rate: found 1000 Hz"):
+    with pytest.raises(UserError, match=r"control.rate: found 1000 Hz"):
         Bench(too_fast, Hidden(), seed=1)
 
 
