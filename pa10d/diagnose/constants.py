@@ -37,6 +37,7 @@ TIMING_SIGNIFICANT = 3.0  # standard errors of a common timing offset
 HARM_SIGNIFICANT = 3.0  # standard errors by which a joint's error must have risen
 WORTH_AN_EXPERIMENT = 3.0  # standard errors by which it must be expected to tell two rivals apart
 LOOSE = 2.0  # standard errors of a corner's speed that reach down to zero: it may as well be sharp
+CORNER_ERRORS = (-2.0, -1.0, 1.0, 2.0)  # at which a corner may as well be (95 %)
 CORNERS = 2.0 ** np.arange(-4.0, 5.0)  # times its speed, where a loose corner is looked for
 LEAST_GAIN = 12.0  # units of noise: χ² of one degree at 5·10⁻⁴, 1 % over twenty suspects
 SHORTLIST = 12  # candidates that a term already in the model is taken to have been judged among
@@ -120,6 +121,7 @@ STEP_DAMPINGS = (0.0, 0.02, 0.1, 0.4, 2.0, 10.0)  # of one beside springs, likew
 #   a column's length, from next to what the data show least of to each parameter on its own
 MAJORITY_ROUNDS = (4, 12)  # Huber's weights find the neighbourhood, Tukey's forget the rest
 TIMING_ROUNDS = 3
+DEAD_BAND_ROUNDS = 12  # in which friction that a dead band hid comes back, and the band with it
 BLURRED_ROUNDS = 3  # in which what is left clear of knocks says what is clear of them
 SMOOTH_ROUNDS = 2
 MAPS_PER_JOINT = 3  # that are judged held out

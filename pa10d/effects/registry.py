@@ -12,9 +12,11 @@ from pa10d.common.words import did_you_mean
 from pa10d.effects import library
 from pa10d.effects.base import Effect
 from pa10d.effects.check import fault
+from pa10d.effects.dead_band import DeadBand
 from pa10d.effects.smooth_map import SmoothMap, smooth_map
 
 GROUP = "pa10d.effects"
+_DEAD_BAND = DeadBand()
 
 
 @cache
@@ -36,9 +38,11 @@ def all_effects() -> dict[str, Effect]:
 
 def effect(name: str, over: tuple[str, ...] = ()) -> Effect:
     """The effect with this id; over: quantities, for the map, which is in no list of effects: it
-    is nothing that an arm could have."""
+    is nothing that an arm could have. Nor is a reading's dead band."""
     if name == SmoothMap.id:
         return smooth_map(over or SmoothMap().over)
+    if name == DeadBand.id:
+        return _DEAD_BAND
     known = all_effects()
     if name not in known:
         expected = f"expected one of {', '.join(sorted(known))}"

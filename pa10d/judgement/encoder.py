@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 
 SLIGHT = 0.1  # of a torque's error: what can be no more is not worked out
 SEED = 1
+DRAWS = 4  # of the same noise once more: what it makes is then known to a few percent
+LEAST_LEFT = 0.1  # of a squared error, of which noise of the angles would make nearly all
 
 
 def of_angles(
@@ -42,25 +44,50 @@ def of_angles(
     nothing = np.zeros(n), np.zeros(n)
     if equation.angles is None:
         return nothing
-    low, rate = equation.lowpass, equation.lowpass.rate
-    band = motion_band(rate, low.cutoff)
-    level, unlike = density(np.nan_to_num(equation.angles), rate)
-    most = _share(level, seen, low.cutoff, band) * _rms(modelled, judged)
+    level, unlike = density(np.nan_to_num(equation.angles), equation.lowpass.rate)
+    most = _share(level, seen, equation) * _rms(modelled, judged)
     if np.all(most <= SLIGHT * _rms(error, judged)):
         return nothing
-    white = np.random.default_rng(SEED).standard_normal(seen.q.shape)
-    light = Lowpass(len(white), rate, band)
-    q, dq, ddq = light.derivatives(white * np.sqrt(0.5 * rate * level))
-    shaken = replace(seen, q=seen.q + q, dq=seen.dq + dq, ddq=seen.ddq + ddq)
-    values = _rms(low(model.sensed(model.contextualise(shaken))) - modelled, judged)
+    shaken = model.sensed(model.contextualise(_shaken(seen, equation, level, SEED)))
+    values = _rms(equation.lowpass(shaken) - modelled, judged)
     doubt = 0.5 * float(level @ np.log(unlike)) / max(float(level.sum()), 1e-300)
     return values, doubt * values
 
 
-def _share(level: Array, seen: Context, cutoff: float, band: float) -> float:
+def once_more(model: TorqueModel, seen: Context, equation: RunEquation, left: Array) -> list[Array]:
+    """(N, n) N·m, some draws: by what the same noise once more on the same motion changes a model's
+    torque. None where it can be no more than a slight part of what is left, (n,) N·m RMS."""
+    if equation.angles is None:
+        return []
+    level, _ = density(np.nan_to_num(equation.angles), equation.lowpass.rate)
+    torque = model.sensed(seen)
+    if np.all(_share(level, seen, equation) * np.sqrt(np.mean(torque**2, axis=0)) <= SLIGHT * left):
+        return []
+    shaken = (_shaken(seen, equation, level, SEED + k) for k in range(DRAWS))
+    return [model.sensed(model.contextualise(one)) - torque for one in shaken]
+
+
+def less_noise(square: Array, made: Array) -> Array:
+    """Of squared errors what is left without what noise of the angles makes of them; a part at
+    least, for that is not known so well."""
+    return np.maximum(square - made, LEAST_LEFT * square)
+
+
+def _shaken(seen: Context, equation: RunEquation, level: Array, seed: int) -> Context:
+    """The same motion with noise of that level (n,) rad²/Hz once more."""
+    low, rate = equation.lowpass, equation.lowpass.rate
+    white = np.random.default_rng(seed).standard_normal(seen.q.shape)
+    light = Lowpass(len(white), rate, motion_band(rate, low.cutoff))
+    q, dq, ddq = light.derivatives(white * np.sqrt(0.5 * rate * level))
+    return replace(seen, q=seen.q + q, dq=seen.dq + dq, ddq=seen.ddq + ddq)
+
+
+def _share(level: Array, seen: Context, equation: RunEquation) -> float:
     """About how much of a torque noise of the angles may be, level (n,) rad²/Hz: of what turns
     masses as much as it is of an acceleration within the equation's band, of what rubs as much as
     of a speed within the motion's."""
+    cutoff = equation.lowpass.cutoff
+    band = motion_band(equation.lowpass.rate, cutoff)
     speeds = np.sqrt(level * (2.0 * np.pi) ** 2 * band**3 / 3.0)
     turns = np.sqrt(level * (2.0 * np.pi) ** 4 * cutoff**5 / 5.0)
     moved = [np.sqrt(np.mean(x**2, axis=0)) for x in (seen.dq, seen.ddq)]

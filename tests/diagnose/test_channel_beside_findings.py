@@ -14,6 +14,7 @@ from pa10d.diagnose.evidence import stated as errors
 from pa10d.diagnose.evidence.stated import stated
 from pa10d.diagnose.regression.behind import perhaps_smoothed
 from pa10d.diagnose.regression.clear_of_knocks import clear_of_knocks
+from pa10d.diagnose.regression.shaken import Shaken
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search import channel
@@ -94,6 +95,34 @@ def test_what_all_joints_have_passed_is_found():
 @pytest.mark.parametrize("joints", [(), (0,)])
 def test_what_is_late_alone_or_smoothed_on_one_joint_is_no_channel(joints):
     assert behind_channel(taken_for_late(joints)) is None
+
+
+STEP = 3e-4  # rad, of an encoder: they make a torque about as large as what is left without them
+
+
+@cache
+def through_coarse_encoders() -> SearchState:
+    """Behind an analogue low-pass (its equation, not steps of it), angles in steps."""
+    made, late = made_and_identified()
+    passes = scipy.signal.lti([1.0], [LATE, 1.0])
+    runs = []
+    for run in (made[name] for name in NAMES):
+        tau = [scipy.signal.lsim(passes, x, run.t, X0=x[0] * LATE)[1] for x in run.tau.T]
+        runs.append(replace(run, q=STEP * np.round(run.q / STEP), tau=np.column_stack(tau)))
+    model = replace(late, shift=LATE, channel=TorqueFilter("first order", LATE))
+    return SearchState.start(model, *two_sides(model, runs[:2], runs[2:])[:2])
+
+
+def test_noise_of_the_angles_asks_for_no_softer_channel(monkeypatch):
+    state = through_coarse_encoders()
+
+    def asked_for() -> float:
+        found, _ = channel._of_kind("first order", LATE, channel._asking(state, {}))
+        return 0.5 / np.pi / found.seconds
+
+    assert asked_for() == pytest.approx(HERTZ, rel=0.15)
+    monkeypatch.setattr(channel, "shaken", lambda state, side: Shaken(side, []))
+    assert asked_for() < 0.8 * HERTZ
 
 
 def test_what_knocks_are_off_by_is_no_smoothness():

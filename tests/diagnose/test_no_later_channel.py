@@ -33,7 +33,8 @@ def asked(monkeypatch):
     )
     monkeypatch.setattr(search, "_as_late", lambda _, each: max(each, key=lambda o: o[1][0].sum()))
     left = iter([np.full((2, 3), 2.0), np.full((2, 3), 1.0)])
-    monkeypatch.setattr(search, "sizes", lambda _: next(left))
+    monkeypatch.setattr(search, "made_held_out", lambda _: np.zeros(3))
+    monkeypatch.setattr(search, "sizes", lambda *_: next(left))
 
     def of(known):
         run = SimpleNamespace(shift=LATE, lowpass=SimpleNamespace(cutoff=12.0, channel=known))

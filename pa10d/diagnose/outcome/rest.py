@@ -63,6 +63,7 @@ def rest_of(
         beside=over.beside,
         knocked={j: found.words for j, found in knocked.items()},
         outdone=search.outdone,
+        dead_bands=search.dead_bands,
         knocks=among_knocks(state),
         most_noise=most_noise(state),
         usual=state.usual,

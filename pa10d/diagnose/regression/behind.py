@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import SLOPE_STEP
+from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.identify.channel import LEAST_DELAY
 from pa10d.measurement.signals import through_channel
@@ -32,19 +33,20 @@ def moved_by(
         through_channel(one, to, run.lowpass.rate) - through_channel(one, since, run.lowpass.rate)
         for run, one in zip(state.train.runs, torque, strict=True)
     ]
-    return _recorded(state, changes)
+    return _weighted(state, recorded(state.train, changes))
 
 
-def _recorded(state: SearchState, torque: list[Array]) -> PerJoint:
-    """joint -> (m_j, 1) weighted, of (N, n) per run as it comes out of the channel."""
+def recorded(side: Side, torque: list[Array]) -> PerJoint:
+    """joint -> (m_j, 1) N·m, of (N, n) per run as it comes out of the channel."""
     rows = [
         replace(run, lowpass=replace(run.lowpass, channel=None)).filtered(one)
-        for run, one in zip(state.train.runs, torque, strict=True)
+        for run, one in zip(side.runs, torque, strict=True)
     ]
-    return {
-        j: state.train.gathered([one[:, j : j + 1] for one in rows], j) / state.fit.sigma[j]
-        for j in range(state.train.n)
-    }
+    return {j: side.gathered([one[:, j : j + 1] for one in rows], j) for j in range(side.n)}
+
+
+def _weighted(state: SearchState, rows: PerJoint) -> PerJoint:
+    return {j: own / state.fit.sigma[j] for j, own in rows.items()}
 
 
 def channel_slopes(state: SearchState) -> PerJoint:
@@ -59,7 +61,7 @@ def channel_slopes(state: SearchState) -> PerJoint:
         -np.gradient(through_channel(one, channel, run.lowpass.rate), axis=0) * run.lowpass.rate
         for run, one in zip(state.train.runs, torque, strict=True)
     ]
-    late = _recorded(state, rates)
+    late = _weighted(state, recorded(state.train, rates))
     if channel is None:
         return late
     step = SLOPE_STEP * channel.seconds

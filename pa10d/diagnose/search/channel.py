@@ -2,7 +2,8 @@
 
 Identification asks it of the textbook model (0195), and what that lacks may hide it: joints
 contradict each other in how late they are, and a low-pass goes for a delay. It smears each step of
-friction behind its reversal then, and bristles stand in for that.
+friction behind its reversal then, and bristles stand in for that. Noise of the angles asks for a
+softer channel than there is, and is taken off.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from pa10d.diagnose.evidence.held_out import quadratic_form
 from pa10d.diagnose.regression.behind import moved_by, torque_of
 from pa10d.diagnose.regression.clear_of_knocks import clear_of_knocks
 from pa10d.diagnose.regression.partial import solve_symmetric
+from pa10d.diagnose.regression.shaken import made_held_out, shaken
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.shape_slopes import beyond, shape_slopes
 from pa10d.diagnose.search.timing import sizes
@@ -48,18 +50,22 @@ def behind_channel(state: SearchState) -> SearchState | None:
     to, gains = _as_late(seen, each)
     now = first.lowpass.channel
     if now is None:
-        if not _agreed(*gains):
-            return None
-    elif not _agreed(*_asking(seen.behind(None), {})(to)):
-        to = None
+        tried = [to] if _agreed(*gains) else []
     else:
+        tried = [] if _agreed(*_asking(seen.behind(None), {})(to)) else [None]
         off = abs(now.delay - first.shift)
         nearer = [one for one in each if abs(one[0].delay - first.shift) <= off]
-        to, gains = _as_late(seen, nearer) if nearer else (now, gains)
-        if to == now or _over(*gains) < AGREED:
-            return None  # it is known already, but for chance
-    before, after = sizes(seen), sizes(seen.behind(to))
-    return state.behind(to) if np.all(after.sum(axis=1) < before.sum(axis=1)) else None
+        if nearer:
+            to, gains = _as_late(seen, nearer)
+            tried += [to] if to != now and _over(*gains) > AGREED else []  # but for chance
+    better = (one for one in tried if _better(seen, seen.behind(one)))
+    return next((state.behind(one) for one in better), None)
+
+
+def _better(before: SearchState, after: SearchState) -> bool:
+    """Is motion held out told better, without reversals and with them?"""
+    was, now = (sizes(one, made_held_out(one)).sum(axis=1) for one in (before, after))
+    return bool(np.all(now < was))
 
 
 def _as_late(
@@ -100,11 +106,24 @@ def channel_words(state: SearchState) -> str:
     other = replace(now, seconds=(1.0 + CHANNEL_STEP) * now.seconds)
     changed = moved_by(seen, torque_of(seen), other, now)
     own = _beyond(seen, changed, shape_slopes(seen))
+    made = _made_of(seen, other, now)
     power = sum(float(o @ o) for o in own.values())
     noise = _variance(seen, own, seen.fit.residual)
-    apart = [float(own[j] @ seen.fit.residual[j]) ** 2 for j in own]
+    apart = [(float(own[j] @ seen.fit.residual[j]) + made[j]) ** 2 for j in own]
     variance = max(sum(noise), sum(apart) * len(apart) / (len(apart) - 1))
     return now.give_or_take(CHANNEL_STEP * float(np.sqrt(variance)) / max(power, 1e-300))
+
+
+def _made_of(state: SearchState, other: TorqueFilter, now: TorqueFilter) -> Array:
+    """(n,) of what is left against the step from one channel to the other: what noise of the angles
+    takes off, which both have."""
+    noise, sigma = shaken(state, state.train), state.fit.sigma
+    here, there = noise.behind(now), noise.behind(other)
+    each = [
+        [float(h[j][:, 0] @ (t[j] - h[j])[:, 0]) / sigma[j] ** 2 for j in range(len(sigma))]
+        for h, t in zip(here, there, strict=True)
+    ]
+    return np.mean(each, axis=0) if each else np.zeros(len(sigma))
 
 
 def _of_kind(kind: str, seconds: float, asks: Asks) -> tuple[TorqueFilter, Gains]:
@@ -135,15 +154,18 @@ def _over(gains: Array, errors: Array) -> float:
 
 
 def _asking(state: SearchState, slopes: PerJoint) -> Asks:
-    """By channel: (n,) what each joint's squared weighted error falls by behind it, coefficients
-    anew and shapes along their ``slopes`` (m_j, s), and (n,) the standard error that the noise
-    which is left gives it."""
+    """By channel: (n,) what each joint's squared weighted error falls by behind it, less what noise
+    of the angles makes of that, coefficients anew and shapes along their ``slopes`` (m_j, s), and
+    (n,) the standard error that the noise which is left gives it."""
     fit, n = state.fit, state.train.n
     torque, now = torque_of(state), state.train.runs[0].lowpass.channel
+    noise = shaken(state, state.train)
+    made = noise.squares(now)
 
     def asks(channel: TorqueFilter) -> Gains:
         own = _beyond(state, moved_by(state, torque, channel, now), slopes)
         gains = np.array([2.0 * own[j] @ fit.residual[j] - own[j] @ own[j] for j in range(n)])
+        gains += (noise.squares(channel) - made) / fit.sigma**2
         errors = _variance(state, own, {j: fit.residual[j] - own[j] for j in range(n)})
         return gains, 2.0 * np.sqrt(np.maximum(errors, 0.0))
 

@@ -14,7 +14,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.constants import CORNERS, LEAST_GAIN, LOOSE, MATERIAL_GAIN, MATERIAL_HARM
+from pa10d.diagnose.constants import (
+    CORNER_ERRORS,
+    CORNERS,
+    LEAST_GAIN,
+    LOOSE,
+    MATERIAL_GAIN,
+    MATERIAL_HARM,
+    MATERIAL_REST,
+)
 from pa10d.diagnose.regression.clear_of_knocks import clear_of_knocks
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.harm import rms
@@ -88,6 +96,32 @@ def sharper_instead(state: SearchState, joints: tuple[int, ...], left: Array) ->
         sharp = replace(found.terms[index], shape_errors={**term.shape_errors, over: float(best)})
         found.problem = found.problem.with_term(index, sharp)
         return found
+    return None
+
+
+def as_unsure(
+    state: SearchState, joints: tuple[int, ...], left: Array, floor: Array | None
+) -> SearchState | None:
+    """With the corner of the joint's dry friction elsewhere within its own error, where no more is
+    left so than with some other friction there, and than noise, (n,) N·m held out: slow motion may
+    know of a corner what fast motion does not, and what a number is unsure by is no finding.
+    """
+    if len(joints) != 1 or floor is None:
+        return None
+    (joint,) = joints
+    for index, term in enumerate(state.terms):
+        over = term.effect.smoothed_over
+        if term.joints != joints or not over or not has_sign(term, joint):
+            continue
+        was, error = term.shape[over], term.shape_errors.get(over, 0.0)
+        speeds = [was + part * error for part in CORNER_ERRORS]
+        trials = [turned(state, index, v) for v in speeds if error > 0.0 and v > 0.0]
+        trials = [one for one in trials if _rubs(one, index)]
+        best = min(trials, key=lambda one: rms(one.held_residual())[joint], default=None)
+        most = min((1.0 + MATERIAL_GAIN) * left[joint], MATERIAL_REST * floor[joint])
+        if best is None or not rms(best.held_residual())[joint] <= most:
+            return None
+        return best if best.moving_rms()[joint] <= state.moving_rms()[joint] else None
     return None
 
 

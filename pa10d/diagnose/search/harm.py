@@ -9,6 +9,7 @@ from pa10d.diagnose.constants import MUCH_WORSE
 from pa10d.diagnose.evidence.errors_of import doubt_of
 from pa10d.diagnose.evidence.held_out import judge
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.judgement.encoder import less_noise
 from pa10d.regression import per_joint
 
 Array = NDArray[np.float64]
@@ -19,15 +20,23 @@ def harmful(before: SearchState, after: SearchState) -> bool:
     return spoils(before, after) or turns_worse(before, after)
 
 
-def spoils(before: SearchState, after: SearchState) -> bool:
+def spoils(
+    before: SearchState, after: SearchState, made: tuple[Array, Array] | None = None
+) -> bool:
     """Did the errors, each joint by its own measure, grow on the whole, or much and significantly
     on one joint?
 
     On short recordings a right effect may move what several joints share within its uncertainty,
     and away from where a joint happened to do well: that is no reason to go without it.
+
+    made: (n,) (N·m)² that noise of the angles makes of the squared errors of either, which does not
+    count then
     """
     r0, r1 = before.held_residual(), after.held_residual()
-    ratio = _times(rms(r1), rms(r0))
+    was, now = rms(r0), rms(r1)
+    if made is not None:
+        was, now = (np.sqrt(less_noise(x**2, m)) for x, m in zip((was, now), made, strict=True))
+    ratio = _times(now, was)
     if less_likely(ratio):
         return True
     if np.max(ratio) > 1.0 + MUCH_WORSE:

@@ -16,6 +16,7 @@ from pa10d.diagnose.constants import MATERIAL_GAIN, TELL_APART
 from pa10d.diagnose.evidence.errors_of import term_covariance
 from pa10d.diagnose.evidence.held_out import rivalry
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.candidates import scan, sharpened
 from pa10d.diagnose.search.harm import harmful
 from pa10d.diagnose.search.judging import JudgedCandidate
 from pa10d.diagnose.search.refitting import settled
@@ -51,6 +52,28 @@ def rather(
     fitted = all(other.fit.rms()[j] < state.fit.rms()[j] for j in spoken)
     better = fitted and leaves_more(other, state, spoken) and not harmful(state, other)
     return other if better else None
+
+
+def of_another_kind(state: SearchState, index: int, fixed: int) -> SearchState | None:
+    """The state with terms[index] as another kind of its effect (bristles that are damped, or not),
+    where that leaves clearly and materially less held out, and less of the fit side. Which kind it
+    is was chosen by a start, before it was refined, beside an error that others have taken since.
+    """
+    term, bare = state.terms[index], state.copy()
+    choices = [s.name for s in term.effect.shapes if s.scale == "choice"]
+    bare.drop(index)
+    bare.refit()
+    for one in sharpened(bare, scan(bare, [(term.effect, term.joints)])):
+        if all(one.shape.get(name) == term.shape.get(name) for name in choices):
+            continue
+        other = state.copy()
+        other.replace_term(index, one.term)
+        other.refit()
+        other = settled(other, fixed, rounds=1)
+        fitted = all(other.fit.rms()[j] < state.fit.rms()[j] for j in term.joints)
+        if fitted and leaves_more(other, state, term.joints) and not harmful(state, other):
+            return other
+    return None
 
 
 def _in_its_place(state: SearchState, index: int, rival: JudgedCandidate) -> SearchState | None:

@@ -23,10 +23,17 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.evidence.errors_of import term_covariance
 from pa10d.diagnose.regression.clear_of_knocks import blurred, clear_of_knocks
+from pa10d.diagnose.regression.shaken import made_held_out
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, scan, sharpened
 from pa10d.diagnose.search.channel import behind_channel, tuned
-from pa10d.diagnose.search.corners import corners_anew, sharper_instead, with_corners
+from pa10d.diagnose.search.corners import (
+    as_unsure,
+    corners_anew,
+    sharper_instead,
+    with_corners,
+)
+from pa10d.diagnose.search.dead_bands import Bands, dead_bands
 from pa10d.diagnose.search.harm import harmful, rms, spoils, taken_by, turns_worse
 from pa10d.diagnose.search.judging import JudgedCandidate, Judging, Place, Suspects
 from pa10d.diagnose.search.looking import (
@@ -40,9 +47,9 @@ from pa10d.diagnose.search.looking import (
 from pa10d.diagnose.search.pairs import pair_beside
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.refitting import settled
-from pa10d.diagnose.search.rivals import rather, rival_yet
+from pa10d.diagnose.search.rivals import of_another_kind, rather, rival_yet
 from pa10d.diagnose.search.springs import promising, with_firm_spring, with_springs
-from pa10d.diagnose.search.timing import align, late_joints
+from pa10d.diagnose.search.timing import align, late_joints, move
 from pa10d.diagnose.search.turning import told_by_reversals
 from pa10d.diagnose.unknown.stepping import steps_in_time
 from pa10d.diagnose.unknown.structure import Structure, all_maps, without
@@ -73,6 +80,7 @@ class Search:
     steps: list[Addition] = field(default_factory=list)
     rival_gains: dict[int, Structure] = field(default_factory=dict)  # by joint: leave less alone
     outdone: dict[int, tuple[tuple[str, ...], float]] = field(default_factory=dict)  # see contest
+    dead_bands: Bands = field(default_factory=dict)  # of the readings, likewise
     bent: tuple[JudgedCandidate, ...] = ()  # that the last look refused for their shape
     # alone, or because the held-out side does not go where they act
     bent_since: dict[Place, JudgedCandidate] = field(default_factory=dict)  # once they were refined
@@ -120,7 +128,8 @@ class Search:
         return True
 
     def _exchanged(self) -> bool:
-        """Put in the place of findings those of their rivals that are better by now."""
+        """Put in the place of findings those of their rivals, or other kinds of theirs, that are
+        better by now."""
         if self.state.frozen:
             return False
         exchanged = False
@@ -135,21 +144,31 @@ class Search:
                     self.state, exchanged = other, True
                     step.chosen = rival
                     step.rivals = [one for one in step.rivals if one is not rival]
+        for index in range(self.fixed, len(self.state.terms)):
+            if any(shape.optional for shape in self.state.terms[index].effect.shapes):
+                other = of_another_kind(self.state, index, self.fixed)
+                if other is not None:
+                    self.state, exchanged = other, True
         return exchanged
 
     def _in_time(self) -> bool:
-        """Take the robot's offset in time anew beside what was found: what was missing when it was
-        taken posed as some of it. A spring's damping is a delay of its torque, and took the rest.
+        """Take the robot's offset in time anew beside what was found, clear of knocks: what was
+        missing when it was taken posed as some of it. A spring's damping is a delay of its torque,
+        and took the rest; a knock that is foretold too early is one, too.
         """
         if len(self.state.terms) == self.fixed or not self.suspects:
             return False
         saved, moved = self.state.copy(), False
         for _ in range(TIMING_ROUNDS):
-            if align(self.state, shapes=True) == 0.0:
+            (seen,) = clear_of_knocks(self.state)
+            seconds = align(seen.copy(), shapes=True)
+            if seconds == 0.0:
                 break
+            move(self.state, seconds)
             moved = True
             self.settle()
-        if moved and spoils(saved, self.state):
+        before, after = clear_of_knocks(saved, self.state)
+        if moved and spoils(before, after):
             self.state, moved = saved, False
         if moved:
             self.prune()
@@ -166,10 +185,15 @@ class Search:
             return False
         saved, self.state = self.state.copy(), corners_anew(found)
         self.settle()
-        self.state = corners_anew(tuned(self.state))
-        self.settle()
+        for _ in range(TIMING_ROUNDS):  # shapes that follow it, and are followed by it
+            better = tuned(self.state)
+            if better is self.state:
+                break
+            self.state = corners_anew(better)
+            self.settle()
         self.prune()
-        if spoils(*clear_of_knocks(saved, self.state)):
+        was, now = clear_of_knocks(saved, self.state)
+        if spoils(was, now, (made_held_out(was), made_held_out(now))):
             self.state = saved
             return False
         return True
@@ -252,11 +276,13 @@ class Search:
             added, put_off = added + 1, set()
 
     def _sharper_instead(self, chosen: JudgedCandidate) -> SearchState | None:
-        """Each joint once: a corner that has been sharpened is as the data have it."""
+        """Each joint once: a corner that has been moved is as the data have it."""
         kind, joints = chosen.candidate.effect, chosen.candidate.joints
-        if not kind.carried or kind.builds_up_over or self.sharpened & {*joints}:
+        if not kind.carried or self.sharpened & {*joints}:
             return None
-        found = sharper_instead(self.state, joints, chosen.evidence.after)
+        found = as_unsure(self.state, joints, chosen.evidence.after, self.floor)
+        if found is None and not kind.builds_up_over:
+            found = sharper_instead(self.state, joints, chosen.evidence.after)
         if found is not None:
             self.sharpened |= {*joints}
         return found
@@ -439,8 +465,8 @@ class Search:
 
     def contest(self) -> list[int]:
         """Joints on which the findings are beaten by a plain smooth map of the motion, of a gain by
-        which the torque reads differently from place to place, or by friction or an offset that
-        changes at one moment.
+        which the torque reads differently from place to place, by friction or an offset that
+        changes at one moment, or by a dead band of the readings.
 
         A true effect explains its error better than any generic map can. Where a map alone
         leaves less than 1/OUTDONE of what the findings leave, they were only imitating something
@@ -459,6 +485,10 @@ class Search:
         for step in steps_in_time(bare, [j for j in concerned if j not in outdone]):
             if OUTDONE * step.left**2 < rms(now)[step.joint] ** 2:
                 outdone.append(step.joint)
+        asked = [j for j in concerned if j not in outdone and j not in bare.held.silent]
+        if not bare.frozen:
+            self.dead_bands = dead_bands(bare, asked, rms(now), self.floor)
+            outdone += self.dead_bands
         self.rival_gains = {
             m.joint: m
             for maps in gains

@@ -24,6 +24,8 @@ from pa10d.diagnose.regression.partial import partials, solve_symmetric
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.shape_slopes import shape_slopes
 from pa10d.effects import effect
+from pa10d.identify.timing import FARTHEST
+from pa10d.judgement.encoder import less_noise
 from pa10d.measurement.encoder_noise import motion_up_to
 from pa10d.measurement.signals import Lowpass
 from pa10d.regression.per_joint import PerJoint
@@ -36,7 +38,8 @@ def align(state: SearchState, contradicting: bool = False, shapes: bool = False)
     model brings its own timing: nothing there may be explained by moving it.
 
     contradicting: also where the joints ask for different ones, if it helps nearly all of them;
-    shapes: of what was found may move along.
+    shapes: of what was found may move along. Either is asked beside what was found, which may have
+    kept identification from any offset: that is no correction of one, and may be as large.
     """
     taken = 0.0
     if state.frozen:
@@ -47,17 +50,17 @@ def align(state: SearchState, contradicting: bool = False, shapes: bool = False)
         offset, error = weighted_median(delays, errors)
         if abs(offset) < TIMING_SIGNIFICANT * error:
             break
-        limit = TIMING_MOST_SAMPLES / state.train.runs[0].lowpass.rate
-        if abs(taken + offset) > limit:
+        correction = TIMING_MOST_SAMPLES / state.train.runs[0].lowpass.rate
+        if abs(taken + offset) > (FARTHEST if contradicting or shapes else correction):
             break
         before = sizes(state)
-        _move(state, offset)
+        move(state, offset)
         after = sizes(state)
         # what the fit side asks for must hold on the other side too, and where the arm turns round
         better = np.all(after.sum(axis=1) <= before.sum(axis=1))
         agreed = shared(offset, delays, errors) or (contradicting and _helps(before, after))
         if not better or not agreed:
-            _move(state, -offset)
+            move(state, -offset)
             break
         taken += offset
         if abs(offset) < 2e-5:
@@ -71,17 +74,20 @@ def late_joints(state: SearchState, first: int) -> list[int]:
     return [k for k in range(first, len(terms)) if terms[k].effect_id == "torque_delay"]
 
 
-def _move(state: SearchState, seconds: float) -> None:
+def move(state: SearchState, seconds: float) -> None:
+    """Torque is taken so much later than it was."""
     state.train, state.held = state.train.shifted(seconds), state.held.shifted(seconds)
     state.refit()
 
 
-def sizes(state: SearchState) -> Array:
-    """(2, k): logarithms of judged joints' squared held-out errors, without and with reversals."""
+def sizes(state: SearchState, made: Array | None = None) -> Array:
+    """(2, k): logarithms of judged joints' squared held-out errors, without and with reversals;
+    made: (n,) (N·m)² that noise of the angles makes of them, which does not count then."""
     residual = state.held_residual()
     judged = [j for j in range(state.held.n) if len(residual[j])]
     without = [np.mean(residual[j] ** 2) for j in judged]
-    return np.log(np.array([without, state.moving_rms()[judged] ** 2]))
+    square: Array = np.array([without, state.moving_rms()[judged] ** 2], dtype=float)
+    return np.log(square if made is None else less_noise(square, made[judged]))
 
 
 def _helps(before: Array, after: Array) -> bool:

@@ -45,6 +45,7 @@ class KnownBesides:
     beside: whose rest a joint's own goes with
     knocked: in words, of those whose error lies in a few moments of the runs
     outdone: effects that would take such a share of it, of which a map leaves much less
+    dead_bands: N·m up to which its torque reads nothing, and the share that is gone with that
     knocks: what lies in those of a gap that was found, and what is kept elsewhere
     most_noise: N·m RMS, as much as is noise at most on the runs that the model was fitted to
 
@@ -67,6 +68,7 @@ class KnownBesides:
     beside: Mapping[int, GoesWith] = field(default_factory=dict)
     knocked: Mapping[int, str] = field(default_factory=dict)
     outdone: Mapping[int, tuple[tuple[str, ...], float]] = field(default_factory=dict)
+    dead_bands: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     knocks: Mapping[int, AmongKnocks] = field(default_factory=dict)
     most_noise: Array | None = None
     usual: Array | None = None

@@ -14,7 +14,7 @@ from pa10d.diagnose.unknown.structure import Structure
 
 def of_the_same(one: OfJoint) -> str:
     """What else is known of what was said first."""
-    return f"{_neighbours(one)}{_outdone(one)}{_gain(one)}{_doubt(one)}"
+    return f"{_neighbours(one)}{_outdone(one)}{_dead_band(one)}{_gain(one)}{_doubt(one)}"
 
 
 def of_other_things(one: OfJoint) -> str:
@@ -73,6 +73,20 @@ def _outdone(one: OfJoint) -> str:
     )
 
 
+def _dead_band(one: OfJoint) -> str:
+    """What a threshold of its reading would explain, and what only imitated that."""
+    if one.joint not in one.known.dead_bands:
+        return ""
+    size, share = one.known.dead_bands[one.joint]
+    named, _ = one.known.outdone.get(one.joint, ((), 0.0))
+    return (
+        f" Were its torque read as nothing up to {rounded(size, 2)} {one.unit}, and as less by "
+        f"that beyond it (a dead band), {percent(share)} would be gone, more than with "
+        f"{listed(named)}"
+        f"{_look(one)}."
+    )
+
+
 def _gain(one: OfJoint) -> str:
     """What a reading would explain that is larger here and smaller there; beside findings on the
     joint only that it leaves less than they do."""
@@ -85,9 +99,13 @@ def _gain(one: OfJoint) -> str:
         if one.on_found
         else f"{percent(gain.share)} would be gone"
     )
-    read = isinstance(one.left, Unnamed) and one.left.witness == "reading"  # what to do is said
-    advice = "" if read else ": look at how it is measured"
-    return f" Were the joint's torque read differently from {where} to {where}, {gone}{advice}."
+    return f" Were the joint's torque read differently from {where} to {where}, {gone}{_look(one)}."
+
+
+def _look(one: OfJoint) -> str:
+    """What to do, where it is not said."""
+    read = isinstance(one.left, Unnamed) and one.left.witness == "reading"
+    return "" if read else ": look at how it is measured"
 
 
 def _doubt(one: OfJoint) -> str:
