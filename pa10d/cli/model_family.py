@@ -16,6 +16,7 @@ from pa10d.export.endings import ENDINGS, FOLDERS, FORMATS
 
 if TYPE_CHECKING:
     from pa10d.effects import Value
+    from pa10d.services.history import Version
     from pa10d.store.models import ModelInfo
 
 
@@ -135,21 +136,25 @@ def show(options: argparse.Namespace) -> Answer:
     return Answer(_brief(info) | details.document() | {"file": path}, "\n".join(lines))
 
 
+def _errors(version: Version, units: str) -> list[str]:
+    """What a version is, and its error, in the units of its joints."""
+    info, found = version.info, version.judgement
+    head = f"{info.name} ({info.id}): {info.change}"
+    if found is None:
+        return [head, f"  fit       {_several(info.rms)} {units} on {', '.join(info.runs)}"]
+    noise = _several(found.floor.values).replace("nan", "?")
+    return [head, f"  error     {_several(found.rms)} {units}", f"  noise     {noise} {units}"]
+
+
 def history(options: argparse.Namespace) -> Answer:
     """``model history``."""
     from pa10d.judgement import first_and_last
     from pa10d.services.history import history as judged_alike
 
-    versions = judged_alike(_library(options), options.model_, options.runs)
-    lines = []
-    for version in versions:
-        info, found = version.info, version.judgement
-        lines.append(f"{info.name} ({info.id}): {info.change}")
-        if found is None:
-            lines.append(f"  fit       {_several(info.rms)} N·m on {', '.join(info.runs)}")
-            continue
-        lines.append(f"  error     {_several(found.rms)} N·m")
-        lines.append(f"  noise     {_several(found.floor.values)} N·m".replace("nan", "?"))
+    library = _library(options)
+    versions = judged_alike(library, options.model_, options.runs)
+    units = library.models.load(versions[-1].info).robot.torque_units()
+    lines = [line for version in versions for line in _errors(version, units)]
     first, judged = versions[0].info, [v.judgement for v in versions if v.judgement is not None]
     if judged:
         last, mask = judged[-1], first_and_last(judged[0], judged[-1])

@@ -14,8 +14,9 @@ from effect_motions import (
     rms,
 )
 
-from pa10d.dynamics import robot_from_profile
+from pa10d.dynamics import inverse_dynamics, robot_from_profile, robot_from_urdf
 from pa10d.effects import Context, effect
+from pa10d.effects.library.base_tilt import rotation
 from pa10d.profile import load_profile
 
 
@@ -73,6 +74,37 @@ def test_tilt_finds_what_an_upright_first_joint_hides():
     assert theta[0] == pytest.approx(0.02, rel=1e-3)
     assert left < 1e-3 * rms(change)
     assert np.hypot(*theta[2:]) == pytest.approx(9.81 * 0.02 * 4.0 * np.hypot(0.2, 0.1), rel=1e-2)
+
+
+LIFT = """<robot name="lift"><link name="base"/>
+<joint name="up" type="prismatic"><parent link="base"/><child link="l1"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="900" velocity="2"/></joint>
+<link name="l1"><inertial><mass value="20"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0"
+iyz="0"/></inertial></link>
+<joint name="about" type="revolute"><parent link="l1"/><child link="l2"/><axis xyz="0 0 1"/>
+<limit lower="-3" upper="3" effort="90" velocity="2"/></joint>
+<link name="l2"><inertial><mass value="6"/><origin xyz="0.3 0.1 0"/><inertia ixx="1" iyy="1" izz="1"
+ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="roll" type="revolute"><parent link="l2"/><child link="l3"/><axis xyz="1 0 0"/>
+<limit lower="-3" upper="3" effort="90" velocity="2"/><origin xyz="0.5 0 0"/></joint>
+<link name="l3"><inertial><mass value="3"/><origin xyz="0 0.05 -0.2"/><inertia ixx="0.2" iyy="0.2"
+izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
+
+
+def test_tilt_finds_what_a_joint_on_a_lift_hides():
+    """The joint that turns first on a column knows nothing of its imbalance either: a lean of 0.015
+    came out as 0.0046 ± 0.0002 rad, beside a coupled inertia that nobody had put in."""
+    robot = robot_from_urdf(LIFT)
+    t = np.arange(0.0, 8.0, 0.02)
+    q = np.column_stack([0.3 * np.sin(t), 1.4 * np.sin(0.7 * t), np.sin(1.3 * t + 1.0)])
+    still, known = np.zeros_like(q), np.array(robot.parameters)
+    known[1, 1:3] = 0.0  # what upright motion has never shown
+    leaning = robot.with_gravity(rotation(1, 0.015).T @ robot.gravity)
+    change = [inverse_dynamics(r, robot.parameters, q, still, still) for r in (leaning, robot)]
+    context = Context(robot, t, q, still, still, known, still)
+    theta, left = coefficients_for("base_tilt", change[0] - change[1], context, rounds=3)
+    assert theta[:2] == pytest.approx([0.0, 0.015], abs=1e-5)
+    assert left < 1e-3 * rms(change[0] - change[1])
 
 
 def test_a_turn_about_the_vertical_is_no_tilt():

@@ -62,10 +62,9 @@ class BaseTilt(Effect):
                 continue
             tilted = robot.with_gravity(pulls)
             out[..., i] = inverse_dynamics(tilted, context.rigid, context.q, zero, zero)
-        # a vertical first axis never felt gravity: what it carries off-centre is unknown
-        first = int(robot.order[0])
-        along = abs(float(robot.rotation[first] @ robot.axis[first] @ robot.gravity))
-        if size > 0 and along > 0.99 * size and not robot.prismatic[first]:
+        # an upright axis that turns first never felt gravity: what it carries off-centre is unknown
+        first, axis = _turning_first(robot)
+        if first >= 0 and size > 0 and abs(float(axis @ robot.gravity)) > 0.99 * size:
             out[:, first, 2] = np.cos(context.q[:, first])
             out[:, first, 3] = np.sin(context.q[:, first])
         return out
@@ -85,6 +84,19 @@ class BaseTilt(Effect):
 
     def relinearised(self, coefficients, shape):
         return {"rx": float(coefficients[0]), "ry": float(coefficients[1])}
+
+
+def _turning_first(robot: Robot) -> tuple[int, np.ndarray]:
+    """The first joint that turns, and its axis (3,) in the base's frame: slides before it, of a
+    lift or of a gantry, turn nothing; -1 where all slide."""
+    for j in robot.order:
+        if robot.prismatic[j]:
+            continue
+        axis, k = robot.axis[j], int(j)
+        while k >= 0:
+            axis, k = robot.rotation[k] @ axis, int(robot.parent[k])
+        return int(j), axis
+    return -1, np.zeros(3)
 
 
 def _largest_moment(robot: Robot) -> float:
