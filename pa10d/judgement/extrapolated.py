@@ -10,16 +10,19 @@ may roll off within the band, where nobody can see it, nothing is said.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.judgement.smoothing import shapes
+from pa10d.judgement.smoothing import Shapes, shapes
 from pa10d.measurement.signals import Lowpass
 
 Array = NDArray[np.float64]
+Names = NDArray[np.int64]
 
 HANN = 2.0 / 3.0  # independent values per ordinate behind this window
 MEDIAN = float(np.log(2.0)) ** 2  # of the looks, that a median of exponential ordinates is worth
@@ -27,6 +30,7 @@ AROUND = 9  # ordinates by which the weaker of two signals is told
 LINES = 0.01  # of the ordinates that hold a line or an image of the motion
 DYNAMIC = float(np.log(1e6))  # range of what a line may have, in powers of e
 CLOSEST = 500  # shapes that are looked at twice: of all, no more than a dozen may fit
+ALIKE = 100  # smoothings, each with more or less white noise beside it, for all channels at once
 UNSEEN = 0.05  # largest chance that the noise rolls off within the band
 DEEPEST = 1e-4  # of the strongest ordinate: what is weaker, a window lets through from elsewhere
 NEXT = 0.1  # of the ordinates, that lie next to the band
@@ -46,43 +50,147 @@ class Extrapolated:
     error: float
 
 
-def extrapolated(
-    power: Array, length: int, used: NDArray[np.bool_], lowpass: Lowpass, repeated: float = 1.0
-) -> Extrapolated | None:
-    """None where these do not tell.
+@dataclass(frozen=True)
+class Look:
+    """A channel's spectrum above the band, in one run.
 
-    power (signals, segments, f): periodograms (Hann, one-sided density) of stretches of ``length``
-    samples, of signals that hold one noise and more besides; used (f,): ordinates above the band;
-    repeated: how often each value comes, on average: above 1 the spectrum repeats itself, too.
+    edge Hz, where it begins; at (f,): the ordinates, seen (f,): what they hold, as worth
+    exponential ones (each) and as number independent ones (all of them); far (m,): of each shape
     """
+
+    known: Shapes
+    edge: float
+    at: NDArray[np.intp]
+    seen: Array
+    worth: float
+    number: float
+    far: Array
+
+
+@dataclass(frozen=True)
+class _Fitted:
+    """level (m,): of each shape; likely (m,): logarithm of its likelihood times its prior; ratio
+    (f,): the spectrum over the best of them; spread: how many times more than by chance it
+    scatters."""
+
+    level: Array
+    likely: Array
+    ratio: Array
+    spread: float
+
+
+def looked_at(
+    power: Array, length: int, used: NDArray[np.bool_], lowpass: Lowpass, repeated: float = 1.0
+) -> Look:
+    """power (signals, segments, f): periodograms (Hann, one-sided density) of stretches of
+    ``length`` samples, of signals that hold one noise and more besides; used (f,): ordinates above
+    the band; repeated: how often each value comes, on average: above 1 the spectrum repeats itself,
+    too."""
     known = shapes(length, lowpass.rate, lowpass.cutoff, lowpass.order)
     seen = _least(power[:, :, used])
     deep = seen <= DEEPEST * seen.max()
     seen, at = seen[~deep], np.flatnonzero(used)[~deep]
-    worth = max(1.0, MEDIAN * power.shape[1]) * HANN
-    number = max(1.0, len(at) / max(1.0, repeated))
     expected = known.expected[:, at]
-    level, fits = _fits(seen, expected, worth, known.white <= BELOW * expected[:, 0])
-    fits *= number / len(at)
-    best = int(np.argmax(fits))
-    ratio = seen / (level[best] * expected[best])
-    spread = _spread(ratio, worth)
-    likely = fits / spread + np.log(known.prior)
-    weight = np.exp(likely - likely.max())
-    weight /= weight.sum()
-    edge = float(at[0]) * lowpass.rate / length
-    steep = expected[:, 0] > STEEPEST * expected[:, -1]
-    rolls = np.isfinite(known.knee) & (known.knee < FAR * edge) & steep
-    if weight[rolls | (known.knee < edge)].sum() > UNSEEN:
+    return Look(
+        known=known,
+        edge=float(at[0]) * lowpass.rate / length,
+        at=at,
+        seen=seen,
+        worth=max(1.0, MEDIAN * power.shape[1]) * HANN,
+        number=max(1.0, len(at) / max(1.0, repeated)),
+        far=_far(seen, expected, known.white <= BELOW * expected[:, 0]),
+    )
+
+
+def extrapolated(looks: Sequence[Look]) -> list[Extrapolated | None]:
+    """Of each look at channels of one rate; None where these do not tell."""
+    alike = _most_alike(looks)
+    fitted = [_fitted(look, alike) for look in looks]
+    return [
+        _within(look, fit, weight)
+        for look, fit, weight in zip(looks, fitted, _weights(looks, fitted, alike), strict=True)
+    ]
+
+
+def _within(look: Look, fit: _Fitted, weight: Array) -> Extrapolated | None:
+    known = look.known
+    steep = known.expected[:, look.at[0]] > STEEPEST * known.expected[:, look.at[-1]]
+    rolls = np.isfinite(known.knee) & (known.knee < FAR * look.edge) & steep
+    if weight[rolls | (known.knee < look.edge)].sum() > UNSEEN:
         return None
-    inside = np.log(level * known.passed)
+    inside = np.log(fit.level * known.passed)
     mean = float(weight @ inside)
     doubts = (
         float(weight @ (inside - mean) ** 2),
-        spread / (worth * number),
-        _beside(ratio) ** 2,
+        fit.spread / (look.worth * look.number),
+        _beside(fit.ratio) ** 2,
     )
     return Extrapolated(float(np.exp(mean)), float(np.sqrt(sum(doubts))))
+
+
+def _most_alike(looks: Sequence[Look]) -> Names:
+    """The smoothings that come nearest to all of these spectra at once, if it is one for all."""
+    names = reduce(np.intersect1d, {id(k.known): k.known.names for k in looks}.values())
+    apart = np.zeros(len(names))
+    for look in looks:
+        nearest = np.full(len(look.known.names), np.inf)
+        np.minimum.at(nearest, look.known.place, look.far)
+        nearest = nearest[np.searchsorted(look.known.names, names)]
+        apart += nearest * look.worth * look.number / len(look.at)
+    return np.asarray(np.sort(names[np.argsort(apart)[:ALIKE]]))
+
+
+def _fitted(look: Look, alike: Names) -> _Fitted:
+    """Of those shapes that come near to this look or to all of them."""
+    near = np.zeros(len(look.far), dtype=bool)
+    near[np.argsort(look.far)[:CLOSEST]] = True
+    near = (near | (_places(look.known, alike) >= 0)) & (look.far < np.inf)
+    expected = look.known.expected[:, look.at]
+    level, fits = _fits(look.seen, expected, look.worth, np.flatnonzero(near))
+    fits *= look.number / len(look.at)
+    best = int(np.argmax(fits))
+    ratio = look.seen / (level[best] * expected[best])
+    spread = _spread(ratio, look.worth)
+    return _Fitted(level, fits / spread + np.log(look.known.prior), ratio, spread)
+
+
+def _weights(looks: Sequence[Look], fitted: Sequence[_Fitted], alike: Names) -> list[Array]:
+    """(m,) of each look: how likely each shape is. Channels of one robot come through one kind of
+    electronics, or each through its own: before anything was seen, one is as likely as the other.
+    How much white noise there is from behind the smoothing each has for itself."""
+    own = [scipy.special.logsumexp(fit.likely) for fit in fitted]
+    each = [np.exp(fit.likely - whole) for fit, whole in zip(fitted, own, strict=True)]
+    if len(looks) == 1:
+        return each
+    places = [_places(look.known, alike) for look in looks]
+    before = [
+        _summed(np.log(look.known.prior), at, alike) for look, at in zip(looks, places, strict=True)
+    ]
+    named = [_summed(fit.likely, at, alike) for fit, at in zip(fitted, places, strict=True)]
+    same = before[0] + sum(n - b for n, b in zip(named, before, strict=True))
+    together = scipy.special.logsumexp(same)
+    one = float(scipy.special.expit(together - sum(own)))
+    out = []
+    for fit, at, by_name, alone in zip(fitted, places, named, each, strict=True):
+        shared = np.append(same - together - by_name, -np.inf)[at]
+        out.append(one * np.exp(shared + fit.likely) + (1.0 - one) * alone)
+    return out
+
+
+def _places(known: Shapes, wanted: Names) -> NDArray[np.intp]:
+    """(m,) where each shape's smoothing is among those that are wanted (sorted); -1: nowhere."""
+    at = np.minimum(np.searchsorted(wanted, known.names), len(wanted) - 1)
+    return np.where(wanted[at] == known.names, at, -1)[known.place]
+
+
+def _summed(log: Array, places: NDArray[np.intp], wanted: Names) -> Array:
+    """(wanted,) logarithms of the sums over all shapes of one name."""
+    top = np.full(len(wanted), -np.inf)
+    here = np.flatnonzero((places >= 0) & (log > -np.inf))
+    np.maximum.at(top, places[here], log[here])
+    parts = np.exp(log[here] - top[places[here]])
+    with np.errstate(divide="ignore"):
+        return top + np.log(np.bincount(places[here], parts, len(wanted)))
 
 
 def _beside(ratio: Array) -> float:
@@ -101,17 +209,22 @@ def _least(power: Array) -> Array:
     return np.take_along_axis(mean, around.argmin(axis=0)[None], axis=0)[0]
 
 
-def _fits(
-    seen: Array, expected: Array, worth: float, allowed: NDArray[np.bool_]
-) -> tuple[Array, Array]:
-    """(m,) level and log-likelihood of every shape (m, f); none of those that are not allowed, or
-    farther than others from the spectrum on a logarithmic scale. The first is always asked."""
+def _far(seen: Array, expected: Array, allowed: NDArray[np.bool_]) -> Array:
+    """(m,) how far every shape (m, f) is from the spectrum on a logarithmic scale; inf where it is
+    not allowed. The first always is."""
     apart = np.log(seen) - np.log(expected)
     far = np.einsum("mf,mf->m", apart, apart) - apart.shape[1] * apart.mean(axis=1) ** 2
     far = np.where(allowed, far, np.inf)
-    far[0] = -np.inf
-    near = np.argsort(far)[: min(CLOSEST, int(allowed.sum()))]
-    level, fits = np.exp(apart.mean(axis=1)), np.full(len(expected), -np.inf)
+    far[0] = -1.0
+    return np.asarray(far)
+
+
+def _fits(
+    seen: Array, expected: Array, worth: float, near: NDArray[np.intp]
+) -> tuple[Array, Array]:
+    """(m,) level and log-likelihood of every shape (m, f); -inf of those that are not near."""
+    level = np.exp((np.log(seen) - np.log(expected)).mean(axis=1))
+    fits = np.full(len(expected), -np.inf)
     level[near] = np.median(seen / expected[near], axis=1)
     for _ in range(STEPS):
         ratio = seen / (level[near, None] * expected[near])

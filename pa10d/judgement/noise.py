@@ -29,7 +29,7 @@ import scipy
 from numpy.typing import NDArray
 
 from pa10d.common.jsonable import JsonObject, plain
-from pa10d.judgement.extrapolated import extrapolated
+from pa10d.judgement.extrapolated import Extrapolated, Look, extrapolated, looked_at
 from pa10d.judgement.repeats import differences
 from pa10d.judgement.residuals import RunResidual
 from pa10d.judgement.scores import moving, scores
@@ -110,7 +110,7 @@ def noise_floor(runs: Sequence[RunResidual]) -> NoiseFloor:
     """Of several runs together, per joint the best way that they allow."""
     runs = list(runs)
     passes = differences(runs)
-    above = [[_above(run, j) for run in moving(runs, j)] for j in range(len(passes))]
+    above = _above(runs, len(passes))
     looks = [part for parts in above for part in parts]
     smoothed = looks.count(ROLLED_OFF) > len(looks) / 2
     found = [
@@ -181,8 +181,41 @@ def _independent(passes: list[Array]) -> float:
     return worth
 
 
-def _above(run: RunResidual, joint: int) -> _Seen:
-    """Variance behind the low-pass of the noise whose spectrum error or torque have above it."""
+def _above(runs: list[RunResidual], joints: int) -> list[list[_Seen]]:
+    """Per joint, of each run in which it moves: the variance behind the low-pass of the noise whose
+    spectrum error or torque have above it."""
+    spectra = [[_spectrum(run, j) for run in moving(runs, j)] for j in range(joints)]
+    told: dict[int, Extrapolated | None] = {}
+    rates = {s.rate for of_joint in spectra for s in of_joint if s is not None}
+    for rate in rates:
+        of_rate = [s for of_joint in spectra for s in of_joint if s is not None and s.rate == rate]
+        found = extrapolated([s.look for s in of_rate])
+        told |= {id(s): one for s, one in zip(of_rate, found, strict=True)}
+    return [[NOTHING if s is None else s.seen(told[id(s)]) for s in of_j] for of_j in spectra]
+
+
+@dataclass(frozen=True)
+class _Spectrum:
+    """What one joint shows above the band in one run, at rate Hz; segments: how many looks it is,
+    fall: as of ``_Seen``."""
+
+    look: Look
+    rate: float
+    segments: int
+    fall: float
+
+    def seen(self, found: Extrapolated | None) -> _Seen:
+        """What that says of the noise within the band."""
+        if found is None:
+            return ROLLED_OFF
+        if found.error > WIDEST:
+            return NOTHING
+        scatter = found.error * float(np.sqrt(self.segments))
+        return _Seen(found.variance, self.segments, scatter, self.fall)
+
+
+def _spectrum(run: RunResidual, joint: int) -> _Spectrum | None:
+    """None where its steps are coarser than what wavers."""
     lowpass, torque = run.equation.lowpass, run.equation.raw_tau[:, joint]
     segments = _segments(run, joint)
     f, power, whole = _periodograms(
@@ -199,15 +232,10 @@ def _above(run: RunResidual, joint: int) -> _Seen:
     weaker = min(power, key=lambda p: float(np.median(p[:, near].mean(axis=1))))
     wavering = float(np.median(weaker[:, above].mean(axis=1))) * 0.5 * lowpass.rate
     if wavering < COARSE * _step(torque) ** 2 / 12.0:
-        return NOTHING
+        return None
     length = segments[0].stop - segments[0].start
-    found = extrapolated(power, length, above, lowpass, _repeated(torque))
-    if found is None:
-        return ROLLED_OFF
-    if found.error > WIDEST:
-        return NOTHING
-    scatter = found.error * float(np.sqrt(len(segments)))
-    return _Seen(found.variance, len(segments), scatter, _fall(f[near], weaker[:, near]))
+    look = looked_at(power, length, above, lowpass, _repeated(torque))
+    return _Spectrum(look, lowpass.rate, len(segments), _fall(f[near], weaker[:, near]))
 
 
 def _periodograms(

@@ -327,6 +327,17 @@ def test_what_the_fitted_runs_keep_themselves_is_not_for_want_of_motion(fitted, 
     assert ("on the fitted runs themselves it keeps 3.2 times" in line.sentence) == said
 
 
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [("repeated motion", "(from repeated motion): the fitted runs do not"), (None, ". The fitted")],
+)
+def test_why_a_floor_is_not_known_is_no_matter_of_motion(source, said):
+    """ "Its noise floor is not known from this data: the fitted runs do not determine the arm"."""
+    known = KnownBesides(undetermined={0: 1.05})
+    (line,) = remaining(judged(2.0, source=source), [None], [], ["N·m"], known)
+    assert said in line.sentence
+
+
 def test_a_floor_that_is_hardly_known_says_so():
     left = judged(1.0)
     unsure = replace(left.floor, errors=0.4 * left.floor.values)

@@ -30,12 +30,14 @@ def before_one_change(one: OfJoint) -> str:
     return f"{share} of its squared error depends on {on}, and "
 
 
-def not_determined(fitted: float) -> str:
-    """What the fitted runs leave open; of a joint that keeps so many times its floor on these."""
+def not_determined(one: OfJoint) -> str:
+    """What the fitted runs leave open, and how many times its floor a joint keeps on these."""
+    begins = ". The" if one.source is None else ": the"  # why no floor is known, that is not
     text = (
-        ": the fitted runs do not determine the arm for this motion, and what they leave open of "
-        "it may be as much. Fit to motion like this one."
+        f"{begins} fitted runs do not determine the arm for this motion, and what they leave open "
+        "of it may be as much. Fit to motion like this one."
     )
+    fitted = one.known.undetermined[one.joint]
     if not fitted > MATERIAL_REST:
         return text
     return (

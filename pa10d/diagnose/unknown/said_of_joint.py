@@ -52,7 +52,7 @@ def _first(one: OfJoint) -> str:
     if knocks := _among_knocks(one):
         return f"{size}{knocks}."
     if one.left is None and one.material is not False and j in one.known.undetermined:
-        return f"{size}{not_determined(one.known.undetermined[j])}"
+        return f"{size}{not_determined(one)}"
     return f"{_by_rule(one)}{of_the_same(one)}"
 
 
