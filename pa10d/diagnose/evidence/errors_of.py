@@ -18,6 +18,7 @@ from pa10d.diagnose.regression.shapes import free_shapes
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.slopes import with_slopes
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.effects.rotor import ROTOR
 from pa10d.model import Term
 from pa10d.regression.covariance import WeightedStretch, uncertainty
 from pa10d.regression.lacking import Stretch
@@ -207,20 +208,28 @@ def term_covariance(
         systematic = moved_by_reversals(state, index, slopes, np.diag(covariance))
         covariance = covariance + np.diag(systematic)
     errors = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    return covariance[:k, :k], shape_errors_of(term, errors[k:])
+    return covariance[:k, :k], shape_errors_of(state, term, errors[k:])
 
 
-def shape_errors_of(term: Term, errors: Array) -> dict[str, float]:
+def shape_errors_of(state: SearchState, term: Term, errors: Array) -> dict[str, float]:
     """Of a term's free shapes, from their standard errors (s,) as the fit has them.
 
     Values that the columns blur together no noise could tell apart, however small it is; nor is a
-    shape known better than the share of its torque that the data show.
+    shape known better than the share of its torque that the data show. Of a rotor that is a share
+    of all that turns in its joint: what is on the motor's side is not on the link's.
     """
     free, short = free_shapes(term.effect, term.shape), off_by(term)
-    return {
-        s.name: float(np.hypot(e, np.hypot(s.blur, short) * term.shape[s.name]))
-        for s, e in zip(free, errors, strict=True)
-    }
+    out = {}
+    for s, error in zip(free, errors, strict=True):
+        value = term.shape[s.name]
+        whole = _turns(state, term) if s.name == ROTOR.name else value
+        out[s.name] = float(np.hypot(error, np.hypot(s.blur * value, short * whole)))
+    return out
+
+
+def _turns(state: SearchState, term: Term) -> float:
+    """kg·m² (kg) of a joint, over the poses of its arm."""
+    return float(state.train.contexts[0].typical_inertia[term.joints[0]])
 
 
 def off_by(term: Term) -> float:

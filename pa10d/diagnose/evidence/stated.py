@@ -96,7 +96,7 @@ def _with_reversals(
         whole[own, own] += moved
     for i in slopes:
         found = np.sqrt(np.maximum(np.diag(whole)[places[i]], 0.0))
-        errors[i] = shape_errors_of(state.terms[i], found)
+        errors[i] = shape_errors_of(state, state.terms[i], found)
     return Stated(whole[:count, :count], {i: e for i, e in errors.items() if e})
 
 
