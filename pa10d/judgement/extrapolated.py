@@ -3,9 +3,11 @@
 Which smoothing it was shows in the spectrum itself: notches at multiples of one frequency, or how
 it rolls off. Every usual one is held against it (Whittle's likelihood; a line that stands out of a
 spectrum is no noise), and counts by how well it fits. Before anything was seen, none at all is as
-likely as all of them together; and nothing is surer than the best fit is good. What they leave
-within the band is averaged, and where they differ there, that is the uncertainty. Where the noise
-may roll off within the band, where nobody can see it, nothing is said.
+likely as all of them together; and nothing is surer than the best fit is good. One smoothing is
+that of all channels of a robot, but for those that have their own or show no noise, so that they
+tell together what each is too short to tell. What all leave within the band is averaged, and where
+they differ there, that is the uncertainty. Where the noise may roll off within the band, where
+nobody can see it, nothing is said.
 """
 
 from __future__ import annotations
@@ -155,9 +157,10 @@ def _fitted(look: Look, alike: Names) -> _Fitted:
 
 
 def _weights(looks: Sequence[Look], fitted: Sequence[_Fitted], alike: Names) -> list[Array]:
-    """(m,) of each look: how likely each shape is. Channels of one robot come through one kind of
-    electronics, or each through its own: before anything was seen, one is as likely as the other.
-    How much white noise there is from behind the smoothing each has for itself."""
+    """(m,) of each look: how likely each shape is. One kind of electronics smooths all channels of
+    a robot, or one is behind something else, or shows what is no noise: before anything was seen,
+    each of them is as likely one of all as not. How much white noise there is from behind the
+    smoothing each has for itself."""
     own = [scipy.special.logsumexp(fit.likely) for fit in fitted]
     each = [np.exp(fit.likely - whole) for fit, whole in zip(fitted, own, strict=True)]
     if len(looks) == 1:
@@ -167,13 +170,14 @@ def _weights(looks: Sequence[Look], fitted: Sequence[_Fitted], alike: Names) -> 
         _summed(np.log(look.known.prior), at, alike) for look, at in zip(looks, places, strict=True)
     ]
     named = [_summed(fit.likely, at, alike) for fit, at in zip(fitted, places, strict=True)]
-    same = before[0] + sum(n - b for n, b in zip(named, before, strict=True))
-    together = scipy.special.logsumexp(same)
-    one = float(scipy.special.expit(together - sum(own)))
+    better = [n - b - whole for n, b, whole in zip(named, before, own, strict=True)]
+    common = scipy.special.softmax(before[0] + sum(np.logaddexp(0.0, one) for one in better))
     out = []
-    for fit, at, by_name, alone in zip(fitted, places, named, each, strict=True):
-        shared = np.append(same - together - by_name, -np.inf)[at]
-        out.append(one * np.exp(shared + fit.likely) + (1.0 - one) * alone)
+    for fit, at, by_name, alone, one in zip(fitted, places, named, each, better, strict=True):
+        belongs = common * scipy.special.expit(one)
+        with np.errstate(divide="ignore"):
+            share = np.append(np.log(belongs) - by_name, -np.inf)[at]
+        out.append(np.exp(share + fit.likely) + (1.0 - belongs.sum()) * alone)
     return out
 
 
