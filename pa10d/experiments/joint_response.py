@@ -26,6 +26,7 @@ Complex = NDArray[np.complex128]
 SMOOTH = 10.0  # Hz below which friction is looked for
 SLIDES = 0.01  # rad/s: slower is stuck
 FEWEST = 30  # samples that slide
+SURELY = 2.0  # standard errors
 DRIFT = 2  # degree of what a window has beside the lines
 ALIKE = 0.05  # of a response: what no model of ours explains
 PRIOR = 0.6  # how far, as a logarithm, rotor and link may be from what the URDF says
@@ -52,14 +53,37 @@ def friction_of(q: Array, torque: Array, rate: float, inertia: float) -> Frictio
     slides = np.abs(speed) > SLIDES
     moved, reach = float(np.ptp(q)), 0.5 * float(np.ptp(effort))
     both = min((slides & (speed > 0)).sum(), (slides & (speed < 0)).sum())
-    if both < FEWEST * rate / 500.0:
+    few = FEWEST * rate / 500.0
+    wanted = (effort - inertia * rise)[slides]
+    if both < few <= slides.sum():
+        alike = max(rate / (2.0 * SMOOTH), 1.0)
+        return _one_way(speed[slides], q[slides], wanted, alike, (moved, reach))
+    if both < few:
         return Friction(reach, 0.0, moved, reach)
     columns = np.stack([np.sign(speed), speed, np.ones_like(q), q - q.mean()], axis=1)[slides]
-    wanted = (effort - inertia * rise)[slides]
     scale = np.linalg.norm(columns, axis=0)
     lower = np.array([0.0, 0.0, -np.inf, -np.inf])
     found = scipy.optimize.lsq_linear(columns / scale, wanted, bounds=(lower, np.inf)).x / scale
     return Friction(float(found[0]), float(found[1]), moved, reach)
+
+
+def _one_way(
+    speed: Array, q: Array, wanted: Array, alike: float, seen: tuple[float, float]
+) -> Friction:
+    """Of a joint that stuck the other way: what torque rises by with speed is viscous friction all
+    the same, the least of it that may be; what it bore meanwhile nobody knows, and all else that it
+    took is dry friction. alike: rows that err alike; seen: rad that it moved, N·m that it took."""
+    way = np.sign(speed.sum())
+    side = speed * way > 0.0
+    fast, at, taken = speed[side] * way, q[side], wanted[side] * way
+    columns = np.stack([fast, np.ones_like(at), at - at.mean()], axis=1)
+    found = np.asarray(np.linalg.lstsq(columns, taken, rcond=None)[0], dtype=float)
+    left = taken - columns @ found
+    doubt = alike * float(left @ left) / len(taken) * np.linalg.pinv(columns.T @ columns)[0, 0]
+    viscous = max(float(found[0] - SURELY * np.sqrt(doubt)), 0.0)
+    moved, reach = seen
+    dry = max(reach - 0.5 * viscous * float(fast.max()), 0.0)
+    return Friction(dry, viscous, moved, reach)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pa10d.control.gains import BUS_DELAY
-from pa10d.experiments.joint_response import Response, fitted_response, response_of
+from pa10d.experiments.joint_response import Response, fitted_response, friction_of, response_of
 from pa10d.experiments.seen import slid
 from pa10d.experiments.sliding import Sway, own_sways, slid_friction
 
@@ -145,3 +145,31 @@ def test_what_a_slow_ring_adds_to_the_lowest_line_counts_as_its_error() -> None:
     assert off[0] > 0.2
     assert seen[1].error[0] > 0.3 * off[0]
     assert seen[1].error[2] < 0.2
+
+
+def one_way(viscous, slope=0.0, rate=250.0, noise=2e-3):
+    """rad and N·m of a joint that is pressed ever harder, slides up three times and sticks when it
+    is to come back; slope: N·m/rad that it bears the more."""
+    t = np.arange(0.0, 6.0, 1.0 / rate)
+    speed = sum(v * np.clip(1.0 - np.abs(t - at) / 0.2, 0.0, 1.0) for v, at in
+                ((0.08, 1.0), (0.14, 2.5), (0.2, 4.0)))  # fmt: skip
+    q = np.cumsum(speed) / rate
+    stuck = 0.2 * np.sin(2.0 * np.pi * t / 1.5)
+    rises = 0.003 * np.gradient(speed, 1.0 / rate)
+    torque = np.where(speed > 0.0, 0.22 + viscous * speed + rises, stuck) + slope * q
+    return np.round(q / 5e-6) * 5e-6, torque + noise * np.random.default_rng(3).normal(size=len(t))
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.4])
+def test_a_joint_that_slides_one_way_tells_its_viscous_friction(slope):
+    """It counted as none, and the servo was too soft for it ever after: an arm whose excitation
+    ended with "weak gains" each time."""
+    q, torque = one_way(0.29, slope)
+    found = friction_of(q, torque, 250.0, 0.003)
+    assert 0.5 * 0.29 < found.viscous < 1.1 * 0.29
+    assert found.coulomb == pytest.approx(0.22, abs=0.05)
+
+
+def test_a_joint_that_slides_one_way_is_given_no_more_viscous_friction_than_is_sure():
+    found = friction_of(*one_way(0.0), 250.0, 0.003)
+    assert found.viscous < 0.03
