@@ -152,6 +152,17 @@ class ShowsRamps(Protocol):
 
 
 @runtime_checkable
+class ShowsBrakes(Protocol):
+    """A backend whose drives tell that a brake is not open yet, though it was told to."""
+
+    @property
+    def in_brakes(self) -> NDArray[np.bool_]:
+        """(n,) as of the last ``read``: whether an axis is in its closed brake, also where its
+        drive has power already. Not of an axis of which that is not sure."""
+        ...
+
+
+@runtime_checkable
 class CutsPower(Protocol):
     """A backend whose axes can each be left to their brakes alone."""
 

@@ -38,6 +38,7 @@ from pa10d.profile import Profile
 
 STOP_NODE = 2  # NMT
 RAMPS = (DriveState.QUICK_STOP, DriveState.REACTING)
+BRAKED = (DriveState.DISABLED, DriveState.READY, DriveState.SWITCHED_ON, DriveState.FAULT)
 TRIAL_CYCLES = 3  # at the end of open
 KEEPS_REACTION = (
     f"Fault reaction option code (0x{REACTION:04X}) was not taken beside the cycle: its drive "
@@ -221,6 +222,13 @@ class CanopenBackend:
     @property
     def ramping(self) -> NDArray[np.bool_]:
         return np.array([state_of(word) in RAMPS for word in self.statuses()])
+
+    @property
+    def in_brakes(self) -> NDArray[np.bool_]:
+        """By its drive, which opens its brake as it is enabled; so do we, where it is ours."""
+        states = [state_of(word) for word in self.statuses()]
+        braked = zip(self.drives, states, strict=True)
+        return np.array([drive.brake and state in BRAKED for drive, state in braked])
 
     def silent(self, axis: int) -> bool:
         """Whether the axis has not been heard for too long to be commanded."""

@@ -17,7 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.error_history import DriveErrors, KeepsErrors
-from backends.protocol import Backend, CoastsUntilTrusted, CutsPower, OpensOneByOne, ShowsRamps
+from backends.protocol import (
+    Backend,
+    CoastsUntilTrusted,
+    CutsPower,
+    OpensOneByOne,
+    ShowsBrakes,
+    ShowsRamps,
+)
 from pa10d.common.errors import UserError
 from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
 from pa10d.control.carried import carried, share_of
@@ -26,11 +33,13 @@ from pa10d.control.faults import (
     RAN_ON,
     RAN_ON_RIGHTLY,
     UNSEEN,
+    WAY_ROUND,
     Fault,
     LoopFault,
     blamed_on_time,
     fault_from,
 )
+from pa10d.control.faults import REMEDIES as FAULT_REMEDIES
 from pa10d.control.guard import BackendBroke, asked, read
 from pa10d.control.joint_figures import ROUGH
 from pa10d.control.journal import Journal
@@ -48,6 +57,7 @@ from pa10d.control.whereabouts import GIVE, Whereabouts, why_not_believed
 
 Array = NDArray[np.float64]
 
+FELL_LEANING = "gave way against its torque in its brake, and fell as that opened"
 NEAR = 0.05  # rad by which a joint may have turned, and the torque that held it still be of use
 CARRIED = 0.2  # rad that a joint may go on until its brake holds it, and its weight be as much
 PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is given up then
@@ -105,6 +115,7 @@ class Arm:
         self._switch_by: float | None = None  # s, until when the drives may; None: no cycle yet
         self._asked_off = False  # the backend took in that it shall switch off
         self._falls = 0  # times as its brakes opened, since it ended a motion
+        self._leaned: set[int] = set()  # joints that fell after they leaned against their torque
         self._together = False  # brakes open with each other's, as was seen since it was connected
         self._left = False  # it moved as its drives were left to stop it, and was not held since
         self._weighs_anew = False  # nobody knows what holds the arm where it is to be held
@@ -354,7 +365,9 @@ class Arm:
         if self._by_drives is not None:
             self._watch_drives(self._by_drives)
         if self.state == ArmState.ENABLING:
-            self.path.watch_standing()
+            backend = self.backend
+            closed = backend.in_brakes if isinstance(backend, ShowsBrakes) else None
+            self.path.watch_standing(closed)
         elif self.state in POWERED:
             closing = self.state == ArmState.DISABLING and not self.right_way.known.all()
             self.path.watch(stopping_for_fault=self.fault is not None, standing=closing)
@@ -413,6 +426,10 @@ class Arm:
         before = holding.alone
         out = backend.out_of_brakes if under_way else None
         again = path.brakes.try_alone(out, lambda: self._weight(path.q))
+        if again and out and self._leans(out[-1]):
+            raise path.not_held("fell", out[-1])  # a trial is a ramp of its drive
+        if isinstance(backend, ShowsBrakes):
+            again |= path.goes_against(out[-1] if out else None, backend.in_brakes)
         if holding.alone == before and not again:
             return
         here, stood = self._weight(path.q), self._weight(self._stood_at)
@@ -492,7 +509,7 @@ class Arm:
 
     def _on_fault(self, error: Exception) -> None:
         """A first fault stops along the limits; one during that stop asks the drives to."""
-        fault, again = self._as_fault(error), self.fault is not None
+        fault, again = self._by_lean(self._as_fault(error)), self.fault is not None
         if self.state == ArmState.RESETTING:
             self.fault = None  # what is there now counts, not what was to be acknowledged
         self._latch(fault, error)
@@ -568,10 +585,31 @@ class Arm:
         """How the drives stop their axes: one whose torque acts the wrong way round by its brake
         alone, for its own ramp would drive it on."""
         fault, backend = self.fault, self.backend
-        wrong = fault.axis if fault is not None and fault.kind == "wrong_sign" else None
+        axis = None if fault is None else fault.axis
+        turned = fault is not None and (fault.kind == "wrong_sign" or self._leans(axis))
+        wrong = axis if turned else None
         if wrong is None or not isinstance(backend, CutsPower):
             return backend.quick_stop
         return partial(backend.cut_power, wrong)
+
+    def _leans(self, axis: int | None) -> bool:
+        """Whether its torque may well act the wrong way round, by what it did in its brake now, or
+        as it fell before."""
+        leaned = axis in self.path.leaning or axis in self._leaned
+        return leaned and not self.right_way.known[axis]
+
+    def _by_lean(self, fault: Fault) -> Fault:
+        """How a joint of which that is so fell tells no weight; twice, and it tells its sign."""
+        axis = fault.axis
+        leaned = axis is not None and axis in self.path.leaning and self._leans(axis)
+        if fault.kind != "not_held" or axis is None or not leaned:
+            return fault
+        self.path.holding.fell.pop(axis, None)
+        if axis in self._leaned:
+            cause = f"{FELL_LEANING}, as before: its torque acts the wrong way round"
+            return replace(fault, kind="wrong_sign", cause=cause, remedy=WAY_ROUND, weighed=0)
+        self._leaned.add(axis)
+        return replace(fault, cause=FELL_LEANING, remedy=FAULT_REMEDIES["not_held"], weighed=0)
 
     def _leave_to_its_brake(self, axis: int) -> None:
         """It gets faster along its drive's own ramp. Whatever else was told by how the arm moved,

@@ -75,7 +75,8 @@ class OneByOne:
     def gave(self, violation: LoopFault) -> LoopFault:
         """A joint that moves in its closed brake: its drive gives no torque, it tells nothing."""
         alone = self._holding.alone
-        others = "" if alone is None else f" as that of joint {alone + 1} opened"
+        own = alone is None or alone == violation.axis
+        others = "" if own else f" as that of joint {alone + 1} opened"
         return LoopFault("brake_gave", f"{violation.cause} in its brake{others}", violation.axis)
 
     def try_alone(self, out: Sequence[int] | None, describe: Callable[[], Array]) -> bool:

@@ -12,6 +12,7 @@ from pa10d.control.estimator import SpeedEstimator
 from pa10d.control.faults import LoopFault
 from pa10d.control.first_steps import FirstSteps
 from pa10d.control.holding import Holding
+from pa10d.control.in_brake import InBrake
 from pa10d.control.limits import ArmLimits
 from pa10d.control.one_by_one import OneByOne
 from pa10d.control.oscillation import OscillationWatch
@@ -61,6 +62,7 @@ class TorquePath:
         self._swings = OscillationWatch(limits, period)
         self._wrong_way = WrongWayWatch(limits.torque, period, leans)
         self._first_steps = FirstSteps(limits.torque, period, leans)
+        self._in_brake = InBrake(limits.torque)
         self._places = Places(limits.following_error)
         self._powered_at = -np.inf
         self._untouched = True  # since power-up no motion was asked for
@@ -126,14 +128,16 @@ class TorquePath:
         self.time, self.age, self.status = feedback.time, feedback.age, feedback.status
         self.measured_q[:], self.tau[:] = feedback.q, feedback.tau
         self.temperature = feedback.temperature
+        self._in_brake.see(self.measured_q, self.age)
         self._dq_before[:] = self.dq
         self._speed.update(feedback.q, feedback.age, feedback.time, feedback.answers)
         moves = np.abs(self.dq) > CREEPS
         self._moved_at[moves] = self.time
         self._restless = moves if self._new else moves & self._restless
 
-    def watch_standing(self) -> None:
-        """While brakes open nothing may move but what gravity does until the servo has it."""
+    def watch_standing(self, closed: NDArray[np.bool_] | None = None) -> None:
+        """While brakes open nothing may move but what gravity does until the servo has it. closed:
+        (n,) of which brakes it is sure that they are not open yet; None: nobody knows."""
         if self.limp:
             return
         self.holding.see()
@@ -151,14 +155,20 @@ class TorquePath:
                 raise self._swings.violation(violation.axis) from violation
             if violation.kind == "stale" or not self._new:  # what swayed up has not fallen
                 raise
-            if violation.axis is not None and self.brakes.holds(violation.axis):
+            if (axis := violation.axis) is not None and (
+                self.brakes.holds(axis) or (closed is not None and closed[axis])
+            ):
                 raise self.brakes.gave(violation) from violation
-            axis, cause = violation.axis, f"{violation.cause} while the arm is being enabled"
-            if axis is not None:
-                cause += self.holding.in_vain(axis)
-            fault = LoopFault("not_held", cause, axis)
-            fault.weighed = self.holding.blamed
-            raise fault from violation
+            raise self.not_held(violation.cause, violation.axis) from violation
+
+    def not_held(self, cause: str, axis: int | None) -> LoopFault:
+        """What to latch of a joint that moved by itself, and what that weighs."""
+        cause = f"{cause} while the arm is being enabled"
+        if axis is not None:
+            cause += self.holding.in_vain(axis)
+        fault = LoopFault("not_held", cause, axis)
+        fault.weighed = self.holding.blamed
+        return fault
 
     def watch(self, stopping_for_fault: bool, standing: bool = False) -> None:
         """Violation where the arm left its envelope; a stop after a fault ends on runaway only.
@@ -238,6 +248,7 @@ class TorquePath:
         self._swings.restart()
         self._wrong_way.restart()
         self._first_steps.restart()
+        self._in_brake.restart()
         self._places.restart(self.q)
         self._stood.restart()
         self.holding.begin(gravity, gravity if described is None else described)
@@ -246,6 +257,19 @@ class TorquePath:
         self.exit.reach.begin(self.q)
         self.reference.rest(self.q.copy())
         self.controller.start(self.reference, self.q, self.dq, gravity)
+
+    def goes_against(self, axis: int | None, closed: NDArray[np.bool_]) -> bool:
+        """Whether the joint whose brake is to open alone goes against its torque in it, and is to
+        be looked at once more; violation where it did so twice. See ``InBrake``."""
+        try:
+            return self._in_brake.goes_against(axis, self.sent, self.age, closed)
+        except LoopFault as violation:
+            raise self._in_units(violation) from None
+
+    @property
+    def leaning(self) -> set[int]:
+        """Axes that gave way against their torque in their brakes, by less than is sure."""
+        return self._in_brake.leaning
 
     def still_in_brakes(self) -> None:
         """The first seconds of being held have not begun."""
