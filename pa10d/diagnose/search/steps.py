@@ -383,15 +383,15 @@ class Search:
         the same joint, if with both nothing is worse than before; says what became redundant."""
         there = [(e, joints) for e, joints in self.suspects if joints == chosen.candidate.joints]
         good, _ = look(self._judging(there))
-        if not good:
-            return None
-        best = max(good, key=lambda j: j.gain)
-        self.state.push(best.candidate.term)
-        self.settle()
-        dropped = self.prune()
-        if dropped & {chosen.place, best.place} or harmful(saved, self.state):
-            return None
-        return dropped
+        bare = self.state
+        for best in sorted(good, key=lambda j: -j.gain):  # of one effect there may be two kinds
+            self.state = bare.copy()
+            self.state.push(best.candidate.term)
+            self.settle()
+            dropped = self.prune()
+            if not (dropped & {chosen.place, best.place} or harmful(saved, self.state)):
+                return dropped
+        return None
 
     def spring_beside(
         self, good: Sequence[JudgedCandidate]
