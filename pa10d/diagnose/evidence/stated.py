@@ -38,7 +38,8 @@ class Stated:
 def stated(state: SearchState, fresh: Collection[int]) -> Stated:
     """fresh: indices of the terms whose shapes these data have settled."""
     fit, width = state.fit, state.fit.to_beta.shape[1]
-    slopes = {i: _slopes(state, i) for i in sorted(fresh)}
+    corners = corners_beside(state, fresh)
+    slopes = {i: _slopes(state, i) for i in [*sorted(fresh), *corners]}
     places, total = {}, 0
     for i, of_term in slopes.items():
         count = next(iter(of_term.values())).shape[1]
@@ -69,6 +70,10 @@ def stated(state: SearchState, fresh: Collection[int]) -> Stated:
     doubtful = np.arange(unknown, total)
     gram[doubtful, doubtful] += 1.0 / size[unknown:] ** 2
     prior[width + doubtful, width + doubtful] += 1.0 / size[unknown:] ** 2
+    for i, error in corners.items():  # as identification knows them, which saw reversals, too
+        at = np.arange(places[i].start, places[i].stop)
+        gram[at, at] += 1.0 / (error * size[at]) ** 2
+        prior[width + at, width + at] += 1.0 / (error * size[at]) ** 2
     inverse = np.linalg.pinv(gram, rcond=1e-12, hermitian=True)
     turn = np.block(
         [[fit.to_beta, -fit.to_beta @ seen @ inverse], [np.zeros((total, width)), inverse]]
@@ -82,7 +87,23 @@ def stated(state: SearchState, fresh: Collection[int]) -> Stated:
     whole[shapes] /= size[:, None]
     whole[:, shapes] /= size
     whole[:count, :count] += open_to_curves(state, fresh)
-    return _with_reversals(state, whole, slopes, {i: _after(p, count) for i, p in places.items()})
+    told = {i: of_term for i, of_term in slopes.items() if i not in corners}
+    return _with_reversals(state, whole, told, {i: _after(places[i], count) for i in told})
+
+
+def corners_beside(state: SearchState, fresh: Collection[int]) -> dict[int, float]:
+    """Index -> standard error, rad/s (m/s), infinite where nobody knows: of the corners over which
+    dry friction turns round where friction was found that does so, too. It was fitted beside them.
+    """
+    there = {state.terms[i].joints for i in fresh if state.terms[i].effect.carried}
+    out = {}
+    for index, term in enumerate(state.terms):
+        over = term.effect.smoothed_over
+        free = over and [s.name for s in free_shapes(term.effect, term.shape)] == [over]
+        if free and index not in fresh and term.joints in there:
+            error = term.shape_errors.get(over, np.inf)
+            out[index] = error if error > 0.0 else np.inf
+    return out
 
 
 def _with_reversals(
