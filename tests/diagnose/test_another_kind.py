@@ -83,3 +83,4 @@ def test_nor_is_one_that_leaves_more_than_noise():
     left = rms(right.held_residual())
     assert as_unsure(off, (0,), 2.0 * left, 0.5 * left) is None
     assert as_unsure(off, (0,), left, None) is None
+    assert as_unsure(off, (0,), left, np.full(2, np.nan)) is None

@@ -60,14 +60,21 @@ def corners_anew(state: SearchState) -> SearchState:
     return state
 
 
+def _dry_friction(state: SearchState, joint: int) -> int | None:
+    """The term of the joint's friction whose sign turns round over a corner."""
+    for index, term in enumerate(state.terms):
+        if term.joints == (joint,) and term.effect.smoothed_over and has_sign(term, joint):
+            return index
+    return None
+
+
 def loose_corner(state: SearchState, joint: int) -> int | None:
     """The joint's Coulomb friction, if two of its corner's standard errors reach down to zero."""
-    for index, term in enumerate(state.terms):
-        over = term.effect.smoothed_over
-        if term.joints == (joint,) and over and has_sign(term, joint):
-            known = term.shape_errors.get(over, np.inf)
-            return index if LOOSE * known > term.shape[over] else None
-    return None
+    if (index := _dry_friction(state, joint)) is None:
+        return None
+    term = state.terms[index]
+    over = term.effect.smoothed_over
+    return index if LOOSE * term.shape_errors.get(over, np.inf) > term.shape[over] else None
 
 
 def sharper_instead(state: SearchState, joints: tuple[int, ...], left: Array) -> SearchState | None:
@@ -77,26 +84,22 @@ def sharper_instead(state: SearchState, joints: tuple[int, ...], left: Array) ->
     short way over which friction builds up looks like a soft corner; in steady motion that is
     missing at low speed. Of a model that was identified from faster motion that is no change.
     """
-    if len(joints) != 1:
+    if len(joints) != 1 or (index := _dry_friction(state, joints[0])) is None:
         return None
-    (joint,) = joints
-    for index, term in enumerate(state.terms):
-        over = term.effect.smoothed_over
-        if term.joints != joints or not over or not has_sign(term, joint):
-            continue
-        was, had = term.shape[over], state.fit.rms()[joint]
-        trials = {v: turned(state, index, v) for v in was * CORNERS if v < was}
-        best = min(trials, key=lambda v: trials[v].fit.rms()[joint])
-        found = trials[best]
-        gain = len(state.train.tau[joint]) * (1.0 - (found.fit.rms()[joint] / had) ** 2)
-        alike = rms(found.held_residual())[joint] <= (1.0 + MATERIAL_GAIN) * left[joint]
-        turns = found.moving_rms()[joint] <= state.moving_rms()[joint]
-        if not (gain >= LEAST_GAIN and alike and turns and _rubs(found, index)):
-            return None
-        sharp = replace(found.terms[index], shape_errors={**term.shape_errors, over: float(best)})
-        found.problem = found.problem.with_term(index, sharp)
-        return found
-    return None
+    (joint,), term = joints, state.terms[index]
+    over = term.effect.smoothed_over
+    was, had = term.shape[over], state.fit.rms()[joint]
+    trials = {v: turned(state, index, v) for v in was * CORNERS if v < was}
+    best = min(trials, key=lambda v: trials[v].fit.rms()[joint])
+    found = trials[best]
+    gain = len(state.train.tau[joint]) * (1.0 - (found.fit.rms()[joint] / had) ** 2)
+    alike = rms(found.held_residual())[joint] <= (1.0 + MATERIAL_GAIN) * left[joint]
+    turns = found.moving_rms()[joint] <= state.moving_rms()[joint]
+    if not (gain >= LEAST_GAIN and alike and turns and _rubs(found, index)):
+        return None
+    sharp = replace(found.terms[index], shape_errors={**term.shape_errors, over: float(best)})
+    found.problem = found.problem.with_term(index, sharp)
+    return found
 
 
 def as_unsure(
@@ -109,20 +112,19 @@ def as_unsure(
     if len(joints) != 1 or floor is None:
         return None
     (joint,) = joints
-    for index, term in enumerate(state.terms):
-        over = term.effect.smoothed_over
-        if term.joints != joints or not over or not has_sign(term, joint):
-            continue
-        was, error = term.shape[over], term.shape_errors.get(over, 0.0)
-        speeds = [was + part * error for part in CORNER_ERRORS]
-        trials = [turned(state, index, v) for v in speeds if error > 0.0 and v > 0.0]
-        trials = [one for one in trials if _rubs(one, index)]
-        best = min(trials, key=lambda one: rms(one.held_residual())[joint], default=None)
-        most = min((1.0 + MATERIAL_GAIN) * left[joint], MATERIAL_REST * floor[joint])
-        if best is None or not rms(best.held_residual())[joint] <= most:
-            return None
-        return best if best.moving_rms()[joint] <= state.moving_rms()[joint] else None
-    return None
+    if (index := _dry_friction(state, joint)) is None:
+        return None
+    term = state.terms[index]
+    over = term.effect.smoothed_over
+    was, error = term.shape[over], term.shape_errors.get(over, 0.0)
+    speeds = [was + part * error for part in CORNER_ERRORS]
+    trials = [turned(state, index, v) for v in speeds if error > 0.0 and v > 0.0]
+    trials = [one for one in trials if _rubs(one, index)]
+    best = min(trials, key=lambda one: rms(one.held_residual())[joint], default=None)
+    most = np.minimum((1.0 + MATERIAL_GAIN) * left[joint], MATERIAL_REST * floor[joint])
+    if best is None or not rms(best.held_residual())[joint] <= most:  # nor of noise nobody knows
+        return None
+    return best if best.moving_rms()[joint] <= state.moving_rms()[joint] else None
 
 
 def sharpened(given: TorqueModel, state: SearchState) -> dict[int, tuple[float, float]]:
