@@ -14,6 +14,7 @@ from pa10d.common.words import from_one
 from pa10d.dynamics import Robot, base_parameters
 from pa10d.dynamics.rotors import rotors_within
 from pa10d.effects import Effect, all_effects, effect
+from pa10d.effects.smooth_map import SmoothMap
 from pa10d.model import Term, Unknowns
 
 Array = NDArray[np.float64]
@@ -82,8 +83,8 @@ def textbook(robot: Robot, extra: Sequence[str] = ()) -> Layout:
         kind = effect(name)
         if kind.question == "chosen":
             raise UserError(
-                f"--with {name}: explains nothing; expected an effect (pa10d add … {name} --over "
-                "takes quantities that a diagnosis names)"
+                f"--with {name}: explains nothing; expected an effect (pa10d add … {SmoothMap.id} "
+                "--over takes quantities that a diagnosis names)"
             )
         if kind.scope == "pair":
             raise UserError(

@@ -163,12 +163,14 @@ def test_nonsense_is_refused_in_one_line(run, case):
     assert "Traceback" not in said
 
 
-def test_no_first_model_begins_with_a_map(run, data):
+@pytest.mark.parametrize("name", ["smooth_map", "dead_band"])
+def test_no_first_model_begins_with_what_is_no_effect(run, data, name):
     profile = str(data).removesuffix("data") + "two.yaml"
-    status, _, said = run("identify", *FIT, "--with", "smooth_map", "--profile", profile,
+    status, _, said = run("identify", *FIT, "--with", name, "--profile", profile,
                           "--name", "other")  # fmt: skip
     assert status == 1
-    assert "--with smooth_map: explains nothing; expected an effect" in said
+    assert f"--with {name}: explains nothing; expected an effect" in said
+    assert "add … smooth_map --over" in said
 
 
 @pytest.mark.long
