@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+import canopen
 import numpy as np
 import pytest
 from bus_helpers import (
@@ -18,6 +19,7 @@ from bus_helpers import (
 
 from backends import by_hand
 from backends.canopen_cia402.backend import CanopenBackend
+from backends.canopen_cia402.network import PortNetwork
 from backends.error_history import DriveErrors, KeepsErrors
 from backends.protocol import BackendFault
 from backends.virtual.drives.injection import Injection
@@ -82,7 +84,18 @@ def test_beside_a_cycle_nothing_is_missed(profile: Profile, arm: CanopenBackend)
 def test_a_silent_drive_hides_no_other(
     profile: Profile, arm: CanopenBackend, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("backends.canopen_cia402.network.SDO_TIMEOUT", 0.1)
+    silent, patient = profile.drives[1].node, PortNetwork.add_drive
+
+    def hasty(
+        network: PortNetwork, node: int, dictionary: canopen.ObjectDictionary
+    ) -> canopen.RemoteNode:
+        """Only the one that cannot answer is waited for briefly: a busy host answers late."""
+        remote = patient(network, node, dictionary)
+        if node == silent:
+            remote.sdo.RESPONSE_TIMEOUT = 0.05
+        return remote
+
+    monkeypatch.setattr(PortNetwork, "add_drive", hasty)
     inject_by_canopen(profile, 0, Injection.EMCY, 0x8611)
     with VirtualBus(profile.can.channel) as bus:
         Meddler(profile, bus).inject(1, Injection.UNPLUGGED)
