@@ -216,16 +216,13 @@ def in_words(found: Diagnosis) -> str:
                 f"--joint {line.joint + 1} --over '{','.join(line.depends_on)}'"
             )
     lines += [f"warning: {warning}" for warning in found.warnings]
-    head = [
-        "joint",
-        f"RMS {found.model.robot.torque_units()}",
-        *(f.term.label for f in found.findings),
-        "noise floor",
-    ]
+    first, *others = (word for word, _ in found.stages)
+    unit = found.model.robot.torque_units()
+    head = ["joint", f"RMS {unit} {first}", *others, "noise floor"]
     rows = [
         [
             str(j + 1),
-            *(f"{errors[j]:.4g}" for errors in found.course),
+            *(f"{errors[j]:.4g}" for _, errors in found.stages),
             f"{found.noise_floor[j]:.4g}" if np.isfinite(found.noise_floor[j]) else "not known",
         ]
         for j in range(n)
@@ -233,11 +230,7 @@ def in_words(found: Diagnosis) -> str:
     mask = first_and_last(found.as_given, found.left)
     where = f"judged on {found.judged_on}; low-pass {found.cutoff:g} Hz, {mask}"
     lines += [table(head, rows), where]
-    if not found.frozen or found.beside:  # compare's figure is the given model's
-        given = ", ".join(f"{v:.4g}" for v in found.as_given.rms)
-        first = found.begins if found.beside else "fitted anew"
-        lines.append(f"RMS is that of the model {first}; as it was given it leaves {given}")
-    elif not found.findings:
+    if found.frozen and not (found.beside or found.findings):
         lines.append(
             "RMS is that of the model as it was given; the lines on its joints are of it moved, "
             "within its own doubt, to suit the fitted runs"

@@ -19,6 +19,7 @@ from pa10d.diagnose.search.corners import sharpened
 from pa10d.diagnose.search.course import Only, searched
 from pa10d.diagnose.search.finished import Finished, finished
 from pa10d.diagnose.search.frozen import as_it_stood
+from pa10d.diagnose.search.less_than_none import or_without_impossible
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.stood_in import NoEffects, no_effects, not_asked
 from pa10d.diagnose.search.suspects import heard, suspects
@@ -53,13 +54,22 @@ def diagnose(
     say = _saying(progress, cancel)
     say(0.0, "filtering, fitting the given model")
     begun = begin(model, fit, validate, frozen)
-    search = searched(begun, only, steps, lambda share, what: say(0.1 + 0.7 * share, what))
+
+    def looked(one: Begun) -> Search:
+        return searched(one, only, steps, lambda share, what: say(0.1 + 0.7 * share, what))
+
+    search, left_out = looked(begun), ()
+    if only is None:
+        found = or_without_impossible(
+            begun, search, lambda other: begin(other, fit, validate), looked
+        )
+        begun, search, left_out = found.begun, found.search, found.words
     no_effect = no_effects(search, begun) if only is None else not_asked(search)
     say(0.85, "looking for structure that the library does not know")
     end = finished(begun, search.state)
     if only is None and not no_effect.told:
         no_effect = replace(no_effect, apart=_unlike_fitted(begun, search, end))
-    return _told(begun, search, no_effect, end, only, say)
+    return replace(_told(begun, search, no_effect, end, only, say), left_out=left_out)
 
 
 def _saying(progress: Progress | None, cancel: Callable[[], bool] | None) -> Progress:

@@ -51,14 +51,11 @@ def diagnosis_figures(found: Diagnosis, seen: HeldOut) -> JsonObject:
 
 
 def steps_of(found: Diagnosis) -> list[Stair]:
-    """From the model that it begins with on, errors on the same held-out data; short names for an
+    """From the model as it was given on, errors on the same held-out data; short names for an
     axis."""
-    words = [found.begins]
-    words += [f"+ {finding.term.label}" for finding in found.findings]
-    return [
-        Stair(f"step {k}" if k else "start", word, errors)
-        for k, (word, errors) in enumerate(zip(words, found.course, strict=True))
-    ]
+    begun = ("start", "anew")[: len(found.stages) - len(found.findings)]
+    names = (*begun, *(f"step {k}" for k in range(1, len(found.findings) + 1)))
+    return [Stair(name, *stage) for name, stage in zip(names, found.stages, strict=True)]
 
 
 def known_floor(found: Diagnosis) -> Array | None:

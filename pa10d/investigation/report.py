@@ -91,8 +91,8 @@ def _delivery(state: Investigation, robot: Robot) -> list[Section]:
     promise, last = state.delivered, state.last_word
     if promise is None or promise.cutoff_hz is None or last is None:
         return []
-    head = ["joint", "before", "promised", "achieved", f"before, {_where(last)}", "after, there",
-            "noise floor"]  # fmt: skip
+    head = ["joint", "as given", "promised", "achieved", f"as given, {_where(last)}",
+            "after, there", "noise floor"]  # fmt: skip
     columns = [promise.before, promise.promised, promise.achieved,
                last.before, last.after, last.noise_floor]  # fmt: skip
     rows = [

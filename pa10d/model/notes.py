@@ -102,8 +102,8 @@ class Delivery(Noted):
     """What a search promised of a version, and what that achieves as it is stored: all on the same
     held-out samples in one band; None where no search made the model.
 
-    before: (n,) N·m of the model it was made from, as that one is; promised: by which the search
-    judged; achieved: by the version as it is stored; worse: joints from 1
+    before: (n,) N·m of the model that the search was given, as that one is; promised: by which the
+    search judged; achieved: by the version as it is stored; worse: joints from 1
     """
 
     before: tuple[float, ...] | None = None

@@ -116,11 +116,11 @@ def _staircase(found: Diagnosis, drawn: Mapping[str, Any]) -> Section:
 
 def _figures(found: Diagnosis) -> Section:
     units = [found.model.robot.torque_unit(j) for j in range(found.model.robot.n)]
-    labels = [f"+ {f.term.label}" for f in found.findings]
-    head = ["joint", found.begins, *labels, "noise floor", "left ÷ noise", "unit"]
+    labels = [word for word, _ in found.stages]
+    head = ["joint", *labels, "noise floor", "left ÷ noise", "unit"]
     rows = []
     for j, name in enumerate(found.model.robot.joint_names):
-        steps = [float(errors[j]) for errors in found.course]
+        steps = [float(errors[j]) for _, errors in found.stages]
         floor = float(found.noise_floor[j])
         known = np.isfinite(floor) and floor > 0
         rows.append([

@@ -87,22 +87,22 @@ def improvement_page(
     names: of the versions, the given model first; promised: (n,) N·m by the search
     """
     robot = found.model.robot
-    errors = found.course
-    head = ["joint", *names, "promised", "noise floor", "unit"]
+    stages = found.stages
+    shown = (names[0], f"{names[0]}, {found.begins}", *names[1:])
+    head = ["joint", *shown, "promised", "noise floor", "unit"]
     rows = [
         [
-            f"{j + 1} {joint}", *(f"{error[j]:.4g}" for error in errors), f"{promised[j]:.4g}",
+            f"{j + 1} {joint}", *(f"{error[j]:.4g}" for _, error in stages), f"{promised[j]:.4g}",
             f"{found.noise_floor[j]:.4g}" if np.isfinite(found.noise_floor[j]) else "unknown",
             robot.torque_unit(j),
         ]
         for j, joint in enumerate(robot.joint_names)
     ]  # fmt: skip
     steps = [
-        Stair(name, version.change, error)
-        for name, version, error in zip(names, found.versions, errors, strict=True)
+        Stair(name, change, error) for name, (change, error) in zip(shown, stages, strict=True)
     ]
     blocks: list[Block] = [Table(head, rows)]
-    if len(steps) > 1:
+    if found.findings:
         stairs = staircase(steps, robot.joint_names, found.noise_floor)
         blocks.insert(0, Plot("Error of every version", stairs))
     return diagnosis_page(found, seen, asked, (Section("The improvement", blocks),))

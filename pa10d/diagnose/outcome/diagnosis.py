@@ -151,6 +151,7 @@ class Diagnosis:
     thought: str = ""
     sharper: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     read_wrong: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
 
     @property
     def heading(self) -> str:
@@ -165,12 +166,16 @@ class Diagnosis:
         """What the first of the versions is, to whose errors ``rms`` belongs."""
         if self.beside:
             return "with what it lacked"
-        return "as given" if self.frozen else "as given, refitted"
+        return "as given" if self.frozen else "refitted"
 
     @property
-    def course(self) -> tuple[Array, ...]:
-        """(n,) N·m held out: of the model that it begins with, and with each finding more."""
-        return self.rms, *(finding.rms_after for finding in self.findings)
+    def stages(self) -> tuple[tuple[str, Array], ...]:
+        """What stands side by side wherever errors are told, each with (n,) N·m held out: the model
+        as it was given, what it became before anything was found, and each finding more. So the
+        first is what the model leaves wherever else it is judged on these runs."""
+        anew = () if self.begins == "as given" else ((self.begins, self.rms),)
+        added = ((f"+ {found.term.label}", found.rms_after) for found in self.findings)
+        return ("as given", self.as_given.rms), *anew, *added
 
     @property
     def noise_floor(self) -> Array:
@@ -206,6 +211,10 @@ class Diagnosis:
             *self.read_wrong,
             *self._apart(),
             *self._misplaced(),
+            *(
+                f"{words}. All else is told without it, and these versions have none"
+                for words in self.left_out
+            ),
             *self._no_estimates(),
             *self._own_runs(),
             *self._smoothed(),

@@ -54,7 +54,11 @@ def _what_is_missing(
     more = steps is None or len(search.steps) < steps
     if more and search.swinging(_keeps(begun, search)):
         search.run(steps)
-    needed_without_numbers(search, begun.model, begun.as_given)
+    gone = refused = needed_without_numbers(search, begun.model, begun.as_given)
+    while gone and (steps is None or len(search.steps) < steps):  # what they stood in for may yet
+        search.go_on_without(refused, steps)  # come, now that they are not in its way
+        gone = needed_without_numbers(search, begun.model, begun.as_given)
+        refused |= gone
     needed_beside_springs(search)
     none_of_noise(search, begun.model, begun.as_given)
     return search

@@ -94,8 +94,7 @@ class Search:
         """Add, prune, add again; once more without what turned out unsure in the end, and once with
         what left the model beside terms that may be gone since. steps: the most to add at a time;
         None: what an arm of so many joints may lack."""
-        if steps is None:
-            steps = max(LEAST_STEPS, STEPS_PER_JOINT * self.state.train.n)
+        steps = self._most(steps)
         align(self.state)
         self.state = with_corners(self.state)
         refused: set[Place] = set()
@@ -116,6 +115,16 @@ class Search:
             self._forward(steps, refused)
             self._without_unsure(steps, refused)
         return self
+
+    def go_on_without(self, gone: set[Place], steps: int | None = None) -> None:
+        """Add and prune again once more, without what is gone from the model for good."""
+        steps, refused = self._most(steps), {*gone}
+        self._forward(steps, refused)
+        self._without_unsure(steps, refused)
+
+    def _most(self, steps: int | None) -> int:
+        most = max(LEAST_STEPS, STEPS_PER_JOINT * self.state.train.n)
+        return most if steps is None else steps
 
     def _where_shared_slips(self) -> bool:
         """Look at no moments any more in which what joints share sticks, now that it is known."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import MATERIAL_GAIN
 from pa10d.diagnose.search.harm import rms
+from pa10d.diagnose.search.judging import Place
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.versions import snapshot
 from pa10d.effects import Value
@@ -43,16 +44,26 @@ def only_with_numbers(search: Search, given: TorqueModel, as_given: Sequence[Run
 
 def needed_without_numbers(
     search: Search, given: TorqueModel, as_given: Sequence[RunResidual]
-) -> None:
+) -> set[Place]:
     """Drop what has not one number that the data determine where nothing is the worse for it once
     the others are fitted anew: another finding, not yet refined when it came, had left what it
     took. Of a single spring much is fitted at once, and nothing else has left it; but what has no
     number and may as well be nothing is no finding, whatever columns of its shape take. Nor is what
-    takes less than is left: as far as anybody knows that is one with what it took.
+    takes less than is left: as far as anybody knows that is one with what it took. Says which.
 
     as_given: the held-out side as the given model saw it
     """
+    before = _found(search)
     _without_shares(search, given, as_given)
+    _without_needless(search, given, as_given)
+    return before - _found(search)
+
+
+def _found(search: Search) -> set[Place]:
+    return {(t.effect_id, t.joints) for t in search.state.terms[search.fixed :]}
+
+
+def _without_needless(search: Search, given: TorqueModel, as_given: Sequence[RunResidual]) -> None:
     found = search.state.terms[search.fixed :]
     springs = [t for t in found if t.effect.series_spring]
     asked = [t for t in found if not t.effect.series_spring or len(springs) > 1]

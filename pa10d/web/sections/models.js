@@ -147,7 +147,7 @@ function delivered({ delivery, joints, torque_units: units, name }) {
   if (!delivery) return null;
   const { before, promised, achieved, worse } = delivery;
   return el("details", { class: "block", open: true }, el("summary", {}, el("h2", {}, "Promised and achieved ", el("small", {}, "error on the runs that the search judged by"))),
-    table(["joint", "before", "promised", `achieved by ${name}`, "unit", "the error"], joints.map((joint, j) => [
+    table(["joint", "as given", "promised", `achieved by ${name}`, "unit", "the error"], joints.map((joint, j) => [
       `${j + 1} ${joint}`, number(before[j]), number(promised[j]), number(achieved[j]), units[j],
       worse.includes(j + 1) ? el("b", { class: "bad" }, "worse than before") : achieved[j] < 0.95 * before[j] ? el("span", { class: "good" }, "fell") : "as before"])),
     where(delivery, "the runs that the search judged by"),
