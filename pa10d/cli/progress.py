@@ -34,11 +34,15 @@ class ProgressLine:
 
     def __init__(self) -> None:
         self._began = time.monotonic()
-        self._said, self._share = "", 0.0
+        self._said, self._share, self._most = "", 0.0, 0.0
         self._bar = _bar() if sys.stderr.isatty() else None
 
     def __call__(self, share: float, words: str) -> None:
-        """Shown now; 1 ends it."""
+        """Shown now; 1 ends it. From one that had settled back to the start: other work begins,
+        which has its own time."""
+        if share <= SETTLED < self._most:
+            self._begin_anew()
+        self._most = max(self._most, share)
         if self._bar is not None:
             self._draw(self._bar, share, words)
         elif words not in ("", "done") and (words != self._said or share >= self._share + STEP):
@@ -49,6 +53,11 @@ class ProgressLine:
         """Gone from the terminal; also after an error."""
         if self._bar is not None:
             self._bar.stop()
+
+    def _begin_anew(self) -> None:
+        self._began, self._most, self._share = time.monotonic(), 0.0, 0.0
+        if self._bar is not None and self._bar.live.is_started:
+            self._bar.reset(self._bar.task_ids[0])
 
     def _draw(self, bar: Progress, share: float, words: str) -> None:
         if not bar.live.is_started:

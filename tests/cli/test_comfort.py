@@ -148,6 +148,19 @@ def test_progress_in_lines_says_what_is_new_and_how_long_it_takes(capsys, monkey
     ]
 
 
+def test_what_begins_after_other_work_has_its_own_time(capsys, monkeypatch):
+    clock = [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: clock[0])
+    line = ProgressLine()
+    line(0.0, "finding what is missing")
+    clock[0] = 400.0
+    line(0.9, "judging")
+    line(0.0, "asking what has changed")
+    clock[0] = 420.0
+    line(0.2, "moving")
+    assert capsys.readouterr().err.splitlines()[-1] == " 20%  moving (about 80 s left)"
+
+
 def test_progress_on_a_terminal_is_a_bar_that_leaves_no_trace():
     script = (
         "from pa10d.cli.progress import progress_line, end_progress; show = progress_line()\n"
