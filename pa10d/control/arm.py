@@ -50,6 +50,7 @@ from pa10d.control.pid import Controller, Pid
 from pa10d.control.punctuality import Starved
 from pa10d.control.reference import MotionUnderWay
 from pa10d.control.right_way import RightWay
+from pa10d.control.slipping import Slipping
 from pa10d.control.states import EACH, POWERED, REMEDIES, SWITCHING, ArmState, Refused, require
 from pa10d.control.stop import DrivesStop, Stop, StopProgress
 from pa10d.control.torque_path import TorquePath
@@ -105,6 +106,7 @@ class Arm:
         self._was_weighed = False  # by what it was felt to weigh
         self._stop: Stop | None = None
         self._by_drives: DrivesStop | None = None  # of axes that take no torque of ours
+        self._slipping: Slipping | None = None  # behind brakes that have just closed
         self._open_since = 0.0  # s, when the last brake opened
         self._held_at: Array | None = None  # where the arm was held when its brakes closed
         self._held_by: tuple[Array, Array] | None = None  # the same, and the torque that held it
@@ -364,6 +366,8 @@ class Arm:
             self._switch_further()
         if self._by_drives is not None:
             self._watch_drives(self._by_drives)
+        if self._slipping is not None:
+            self._watch_brakes(self._slipping)
         if self.state == ArmState.ENABLING:
             backend = self.backend
             closed = backend.in_brakes if isinstance(backend, ShowsBrakes) else None
@@ -486,6 +490,26 @@ class Arm:
             elif not self._stop.by_drives:
                 self._leave_it_to_the_drives()
             self._leave_to_its_brake(axis)
+
+    def _watch_brakes(self, slipping: Slipping) -> None:
+        """Whether they hold the arm. Nothing is done about one that does not but to say so: who
+        asked for no power, or had it taken away, gets none unasked. Who asks for it again has all
+        joints held at once: it would slip on while others have their turn."""
+        path = self.path
+        if self.state in POWERED or slipping.over(path.time):
+            self._slipping = None
+            return
+        for axis, far in slipping.see(path.time, path.q, path.dq, path.age):
+            self._together = True
+            gone = path.limits.in_units(axis, f"went {far:.2g} rad in its closed brake")
+            slipped = f"{gone}, without power: that does not hold it"
+            if self.fault is None:
+                self._on_fault(LoopFault("brake_slips", slipped, axis))
+                continue
+            log.warning("joint %d %s", axis + 1, slipped)
+            told = f"{self.fault.cause}; joint {axis + 1} {slipped}"
+            self.fault = replace(self.fault, cause=told, remedy=FAULT_REMEDIES["brake_slips"])
+            self.journal.fault(self.fault)
 
     def _go_on_blindly(self) -> None:
         """Nobody may ever report the end of the drives' own stop: it is given its time."""
@@ -706,6 +730,8 @@ class Arm:
         return self.path.time > self._switch_by
 
     def _rest_unpowered(self) -> None:
+        if self.state in POWERED:
+            self._slipping = Slipping(self.path.limits, self.path.time, self._weight(self.path.q))
         self._take_along()
         self.path.power_down()
         self.state = ArmState.FAULT if self.fault else ArmState.INACTIVE

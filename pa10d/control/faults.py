@@ -44,6 +44,8 @@ REMEDIES = {
     "joints and sets them, or lower control.bandwidth_hz",
     "brake_gave": "look at this joint's brake, and whether brakes that hang on one output open "
     "together: from now on all of them open at once",
+    "brake_slips": "keep away from the arm and prop it up; look at this joint's brake: worn, oily, "
+    "held open by hand or by its wiring, or too small for what hangs on it",
     "wrong_sign": WAY_ROUND,
     "stale": "check cabling, termination and bus load; the axis stopped answering",
     "no_number": "look at what this backend reads; the drive's encoder and its scaling",
