@@ -12,8 +12,9 @@ are those beside it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 
 from pa10d.control.joint_figures import DRAWS, JointFigures
 from pa10d.dynamics import Robot
+from pa10d.dynamics.mass import mass_matrices
 from pa10d.dynamics.regressor import regressor
 
 Array = NDArray[np.float64]
@@ -39,15 +41,42 @@ ALIKE = 8.0  # samples of one place that err alike
 LEANS = 0.2  # rad, by which a base may stand other than its profile says
 ROUNDS = 3  # until what leans and what weighs agree
 TIMES, SURE = 3.0, 6.0  # as much is left over without, and by so many standard errors
+SOME = 200  # places of a motion that are looked at
+WIDE = 3.0, 10.0  # times its link, and times the usual size, that a rotor may have
 
 Row = tuple[Array, Array, Array]
 Motion = tuple[Array, Array, float]
 
 
+class FeltRows(NamedTuple):
+    """bodies: regressor rows (M, 10n); wanted: N·m that bodies had to give (M,); error: its error
+    N·m (M,); rise: rad/s² of each row's own joint, elsewhere 0, (M, n)."""
+
+    bodies: Array
+    wanted: Array
+    error: Array
+    rise: Array
+
+
+@dataclass(frozen=True)
+class ByWeight:
+    """What slow torques tell of one joint: kg·m² of its link in P poses, and of its rotor, (P + 1,)
+    in all, and their covariance (P + 1, P + 1)."""
+
+    likeliest: Array
+    spread: Array
+
+    def of(self, poses: Sequence[int]) -> ByWeight:
+        """In some of these poses alone."""
+        kept = [*poses, len(self.likeliest) - 1]
+        return ByWeight(self.likeliest[kept], self.spread[np.ix_(kept, kept)])
+
+
 @dataclass(frozen=True)
 class _Estimate:
-    """likeliest: bodies (10n,), with a gravity that leans its angles, rad (2,), behind them; inner,
-    root: of their covariance root·inner·rootᵀ; left: squared standard errors left over."""
+    """likeliest: bodies (10n,), behind them angles of a gravity that leans, rad (2,), and what
+    rotors have beyond what is known of them, kg·m² (n,), where these are asked; inner, root: of
+    their covariance root·inner·rootᵀ; left: squared standard errors left over."""
 
     likeliest: Array
     inner: Array
@@ -78,6 +107,31 @@ def felt_bodies(
     return np.concatenate([found.likeliest[None], draws])[:, :n].reshape(-1, robot.n, 10)
 
 
+def told_by_weight(
+    robot: Robot,
+    figures: JointFigures,
+    seen: Sequence[Motion],
+    poses: Mapping[int, Sequence[Array]],
+) -> dict[int, ByWeight]:
+    """Of joints (0-based) in some poses (n,) rad each. A link weighs, a rotor does not: what slow
+    torques held and lifted tells the link, what they accelerated beyond it the rotor. figures:
+    friction, and rotors as they are presumed."""
+    straight = _estimate(robot, figures, seen, [], apart=True)
+    leaning = _leaning(robot, figures, seen, [], straight, apart=True)
+    found = straight if leaning is None else leaning
+    spread = found.root @ found.inner @ found.root.T
+    out = {}
+    for j, some in poses.items():
+        rows = np.zeros((len(some) + 1, len(found.likeliest)))
+        for k, pose in enumerate(some):
+            rows[k, : robot.parameters.size] = _inertia_of(robot, j, pose)
+        rows[-1, len(found.likeliest) - robot.n + j] = 1.0
+        likeliest = rows @ found.likeliest
+        likeliest[-1] += figures.rotor[j]
+        out[j] = ByWeight(likeliest, rows @ spread @ rows.T)
+    return out
+
+
 def gravity_felt(
     robot: Robot,
     figures: JointFigures,
@@ -101,14 +155,16 @@ def _leaning(
     seen: Sequence[Motion],
     measured: Sequence[Row],
     straight: _Estimate,
+    apart: bool = False,
 ) -> _Estimate | None:
     """The same with a gravity that leans; None where that explains little more."""
     if not robot.gravity.any():
         return None
-    found, bodies, angle = straight, straight.likeliest, np.zeros(2)
+    size = robot.parameters.size
+    found, bodies, angle = straight, straight.likeliest[:size], np.zeros(2)
     for _ in range(ROUNDS):
-        found = _estimate(robot, figures, seen, measured, (bodies, angle))
-        bodies, angle = found.likeliest[:-2], found.likeliest[-2:]
+        found = _estimate(robot, figures, seen, measured, (bodies, angle), apart)
+        bodies, angle = found.likeliest[:size], found.likeliest[size : size + 2]
     more = straight.left - found.left
     return found if more >= SURE**2 and straight.left >= TIMES**2 * found.left else None
 
@@ -125,27 +181,33 @@ def _estimate(
     seen: Sequence[Motion],
     measured: Sequence[Row],
     near: tuple[Array, Array] | None = None,
+    apart: bool = False,
 ) -> _Estimate:
     """measured: rows beside those of ``seen``; near: bodies and a leaning gravity (2,) rad about
-    which it is linear."""
+    which it is linear; apart: rotors are asked as well."""
     mean, spread = robot.parameters.ravel(), _prior(robot)
-    size, here, sides = len(mean), robot, np.zeros((0, 3))
+    here, sides = robot, np.zeros((0, 3))
     bodies, angle = (mean, np.zeros(0)) if near is None else near
     if near is not None:
         sides = _across(robot)
         here = robot.with_gravity(robot.gravity + angle @ sides)
-        mean = np.append(mean, np.zeros(2))
         spread = scipy.linalg.block_diag(spread, LEANS**2 * np.eye(2))
+    if apart:
+        spread = scipy.linalg.block_diag(spread, np.diag(_rotors(robot, figures, seen) ** 2))
+    mean = np.append(mean, np.zeros(len(spread) - len(mean)))
     tables = []
     for one in seen:
-        rows, wanted, error = rows_felt(here, figures, *one)
+        felt = rows_felt(here, figures, *one)
+        rows, wanted = felt.bodies, felt.wanted
         for k, side in enumerate(sides):
-            more = rows_felt(here.with_gravity(here.gravity + side), figures, *one)[0]
-            leans = (more - rows[:, :size]) @ bodies
+            more = rows_felt(here.with_gravity(here.gravity + side), figures, *one).bodies
+            leans = (more - felt.bodies) @ bodies
             wanted = wanted + leans * angle[k]
             rows = np.column_stack([rows, leans])
-        tables.append((rows, wanted, error))
-    wide = [(np.pad(rows, ((0, 0), (0, len(sides)))), *rest) for rows, *rest in measured]
+        rows = np.column_stack([rows, felt.rise]) if apart else rows
+        tables.append((rows, wanted, felt.error))
+    wide = [(np.pad(rows, ((0, 0), (0, len(mean) - rows.shape[1]))), *rest)
+            for rows, *rest in measured]  # fmt: skip
     information, pull = np.zeros_like(spread), np.zeros_like(mean)
     for rows, wanted, error in (*tables, *wide):
         weighed = rows / error[:, None] ** 2
@@ -156,6 +218,13 @@ def _estimate(
     likeliest = mean + root @ inner @ root.T @ pull
     left = sum(float((((w - r @ likeliest) / e) ** 2).sum()) for r, w, e in tables)
     return _Estimate(likeliest, inner, root, left)
+
+
+def _rotors(robot: Robot, figures: JointFigures, seen: Sequence[Motion]) -> Array:
+    """(n,) kg·m² that rotors may have beside links as they are where the arm has been."""
+    places = np.concatenate([q[:: max(1, len(q) // SOME)] for q, _, _ in seen])
+    own = np.diagonal(mass_matrices(robot, places), axis1=1, axis2=2).max(axis=0)
+    return np.asarray(WIDE[0] * np.maximum(own, 1e-9) + WIDE[1] * figures.rotor)
 
 
 def _prior(robot: Robot) -> Array:
@@ -178,18 +247,21 @@ def _inertia_row(
     robot: Robot, figures: JointFigures, j: int, pose: Array
 ) -> tuple[Array, Array, Array]:
     """One row: what the bodies have about joint j in this pose."""
-    weightless = robot.with_gravity(np.zeros(3))
-    unit = np.eye(robot.n)[j][None]
-    row = regressor(weightless, pose[None], 0.0 * unit, unit)[0, j]
-    own = float(row @ robot.parameters.ravel())
-    measured = figures.link[j] * own
+    row = _inertia_of(robot, j, pose)
+    measured = figures.link[j] * float(row @ robot.parameters.ravel())
     return row[None], np.array([measured]), np.array([ABOUT * (figures.rotor[j] + measured)])
+
+
+def _inertia_of(robot: Robot, j: int, pose: Array) -> Array:
+    """(10n,) that standard parameters are multiplied by to be the inertia about joint j."""
+    weightless, unit = robot.with_gravity(np.zeros(3)), np.eye(robot.n)[j][None]
+    return np.asarray(regressor(weightless, pose[None], 0.0 * unit, unit)[0, j])
 
 
 def rows_felt(
     robot: Robot, figures: JointFigures, q: Array, torque: Array, rate: float
-) -> tuple[Array, Array, Array]:
-    """Regressor rows (M, 10n), N·m that bodies had to give (M,), and its error N·m."""
+) -> FeltRows:
+    """Of a motion (N, n) rad with its sent torque N·m, where each joint stands or slides."""
     low = scipy.signal.butter(2, min(SLOW, 0.1 * rate), fs=rate, output="sos")
     angle, effort = (scipy.signal.sosfiltfilt(low, x, axis=0) for x in (q, torque))
     speed = np.gradient(angle, 1.0 / rate, axis=0)
@@ -206,4 +278,5 @@ def rows_felt(
     error = np.sqrt(ALIKE) * (np.where(slides[at], RUBS, 0.7) * figures.coulomb + trifle)
     known = (slides | stands)[at]
     rows = regressor(robot, angle[at], speed[at], rise[at])
-    return rows[known], wanted[at][known], error[known]
+    own = rise[at][:, :, None] * np.eye(robot.n)
+    return FeltRows(rows[known], wanted[at][known], error[known], own[known])

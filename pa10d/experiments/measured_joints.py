@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.common.words import of_a_slide
-from pa10d.control.gains import PidGains, gravity_slope
+from pa10d.control.gains import PidGains, burdens, gravity_slope
 from pa10d.control.joint_figures import ROUGH, JointFigures, inertias, presumed_figures
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.dynamics.mass import mass_matrices
-from pa10d.experiments.felt_bodies import felt_bodies
+from pa10d.experiments.felt_bodies import felt_bodies, told_by_weight
 from pa10d.experiments.joint_response import (
-    Fitted,
     Response,
+    by_weight_alone,
     fitted_response,
     friction_of,
     response_of,
@@ -35,6 +35,8 @@ AROUND = 0.2  # s before and after a stroke that belong to it
 FEW = 0.7  # of a viscous friction that was seen in a few moments of sliding
 HALF_KNOWN = 2.0  # doubt of inertias where friction is known to damp
 SOFTEST = 0.25  # of the torque limit, per rad: a gear that gave way by more would be none
+FINEST = 1e-9  # rad: less is how numbers are stored
+MOST_WOUND = 0.5  # rad by which a load winds a gear: harmonic drives give by 0.01, springs by 0.2
 BLOCKED = 0.25  # of the way that a joint should have gone to either side
 
 
@@ -61,14 +63,28 @@ def measured_figures(
     slid = {j: _slid(parts, robot, j, friction[j].coulomb) for j in range(robot.n)}
     friction |= {j: found for j, (found, _) in slid.items()}
     sways = own_sways({j: sway for j, (_, sway) in slid.items() if sway is not None})
+    rubbing = with_friction(presumed, friction)
+    softest = burdens(robot, presumed) / MOST_WOUND
+    weights = told_by_weight(robot, rubbing, seen, _shaken_at(parts, robot.n))
     responses = {j: found for j in range(robot.n) if (found := _responses(robot, parts, step, j))}
-    fits: dict[int, Fitted] = {
+    fits = {
         j: fitted_response(
-            found, float(presumed.rotor[j]), friction[j].viscous, nudged.rate, sways.get(j)
+            [one for _, one in found],
+            float(presumed.rotor[j]),
+            friction[j].viscous,
+            nudged.rate,
+            sways.get(j),
+            None if j in sways else weights[j].of([k for k, _ in found]),
+            float(softest[j]),
         )
         for j, found in responses.items()
     }
-    whole = with_response(with_friction(presumed, friction), fits)
+    for j in set(weights) - set(fits) - set(sways):
+        pose = _shaken_at(parts, robot.n)[j][0]
+        own = float(own_inertia(robot, pose[None])[j])
+        if (alone := by_weight_alone(weights[j], own, friction[j].viscous)) is not None:
+            fits[j] = alone
+    whole = with_response(rubbing, fits)
     shaken = [(j, one.q[-1]) for j in responses for one in _strokes(parts, j, "shaken")]
     return whole.but(bodies=felt_bodies(robot, whole, seen, shaken))
 
@@ -196,17 +212,45 @@ def _slid(
     return friction_of(q, torque, seen.rate, float(own)), None
 
 
-def _responses(robot: Robot, parts: Mapping[str, Seen], step: Array, j: int) -> list[Response]:
-    """Of joint j, one per pose; the strokes to and fro of a pose belong together."""
+def _counts(q: Array) -> float:
+    """rad between two angles (N,) that are told apart."""
+    apart = np.diff(np.unique(q))
+    apart = apart[apart > FINEST]
+    return float(apart.min()) if len(apart) else 0.0
+
+
+def _places(parts: Mapping[str, Seen]) -> list[dict[str, Seen]]:
+    """Those about the first pose, and the others."""
     here = _here(parts)
-    found, rate = [], parts["response"].rate
-    for about in (here, {name: seen for name, seen in parts.items() if name not in here}):
+    return [here, {name: seen for name, seen in parts.items() if name not in here}]
+
+
+def _shaken_at(parts: Mapping[str, Seen], n: int) -> dict[int, list[Array]]:
+    """(n,) rad each, the poses in which joints were shaken, whether they slid or stuck."""
+    found: dict[int, list[Array]] = {j: [] for j in range(n)}
+    for about in _places(parts):
+        for j, poses in found.items():
+            strokes = [one for seen in about.values() for one in seen.strokes(j)]
+            poses += [one.q[-1] for one in strokes if one.what == "shaken"][:1]
+    return {j: poses for j, poses in found.items() if poses}
+
+
+def _responses(
+    robot: Robot, parts: Mapping[str, Seen], step: Array, j: int
+) -> list[tuple[int, Response]]:
+    """Of joint j, one per pose in which it slid, and which one; the strokes to and fro of a pose
+    belong together."""
+    found, rate, pose = [], parts["response"].rate, -1
+    for about in _places(parts):
+        strokes = [one for seen in about.values() for one in seen.strokes(j)]
+        pose += any(one.what == "shaken" for one in strokes)
         if not (taken := _strokes(about, j, "shaken")):
             continue
         q, torque = np.array([one.q for one in taken]), np.array([one.torque for one in taken])
-        noise = float(step[j]) / np.sqrt(12.0)
+        noise = float(step[j]) / np.sqrt(12.0), _counts(parts["response"].q[:, j]) / np.sqrt(12.0)
         mass = mass_matrices(robot, q[:1, -1])[0]
         response = response_of(q, torque, rate, lines_of(rate), noise, j, mass)
         slope = gravity_slope(robot, robot.parameters, q[:1, -1])[0]
-        found.append(replace(response, inertia=float(mass[j, j]), gravity=float(slope[j])))
+        one = replace(response, inertia=float(mass[j, j]), gravity=float(slope[j]))
+        found.append((pose, one))
     return found

@@ -80,7 +80,7 @@ def left_by(
 ) -> float:
     """Squared standard errors that the best of all bodies leave in all."""
     tables = [rows_felt(robot, figures, *one) for one in seen]
-    rows, wanted, error = (np.concatenate(parts) for parts in zip(*tables, strict=True))
+    rows, wanted, error, _ = (np.concatenate(parts) for parts in zip(*tables, strict=True))
     each = (rows.reshape(len(rows), robot.n, 10) * robot.parameters).sum(axis=2)
     fit = scipy.optimize.lsq_linear(
         each / error[:, None], wanted / error, bounds=(1.0 / ROUGH, ROUGH)

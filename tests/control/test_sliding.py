@@ -99,14 +99,15 @@ def test_a_neighbour_that_is_pushed_along_does_not_sway_by_itself() -> None:
     assert sorted(own_sways(seen)) == [1, 5]
 
 
-def test_lines_above_a_sway_show_a_spring_only_to_who_has_seen_it() -> None:
-    """From 8 Hz on there is little but the rotor, and a light rigid joint explains it."""
+def test_lines_above_a_sway_show_a_spring_whether_it_was_seen_or_not() -> None:
+    """From 8 Hz on there is little but the rotor, and a link as light as would explain that is far
+    from what the URDF says."""
     lines = np.array([8.0, 11.0, 15.0, 20.0, 27.0])
     s = 2j * np.pi * lines
     through = LINK * s**2 * STIFFNESS / (LINK * s**2 + STIFFNESS)
     value = np.exp(-s * BUS_DELAY / RATE) / (ROTOR * s**2 + WET * s + through)
     one = Response(lines, value, np.full(len(lines), 0.2), 1.3, 0.0)
-    assert np.isinf(fitted_response([one], ROTOR, WET, RATE).stiffness)
+    assert fitted_response([one], ROTOR, WET, RATE).stiffness == pytest.approx(STIFFNESS, rel=0.1)
     hertz = np.sqrt(STIFFNESS / LINK) / (2.0 * np.pi)
     fit = fitted_response([one], ROTOR, WET, RATE, Sway(hertz, ROTOR, LINK, STIFFNESS))
     assert fit.stiffness == pytest.approx(STIFFNESS, rel=0.1)
@@ -136,7 +137,7 @@ def test_what_a_slow_ring_adds_to_the_lowest_line_counts_as_its_error() -> None:
     )
     ringing = q + 5e-3 * np.sin(2 * np.pi * 1.1 * t) * np.exp(-t)
     seen = [
-        response_of(angle[None, :, None], torque[None], RATE, lines, 0.0, 0, np.ones((1, 1)))
+        response_of(angle[None, :, None], torque[None], RATE, lines, (0.0, 0.0), 0, np.ones((1, 1)))
         for angle in (q, ringing)
     ]
     assert np.abs(seen[0].value / true - 1.0).max() < 0.05
