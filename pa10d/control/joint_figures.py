@@ -20,6 +20,7 @@ POSES = 256
 STROKE, ON_THE_WAY = 0.35, 8  # rad to either side, in a first motion; poses on a way
 ABOVE_LIGHTEST = 1.5  # leaves 4 dB until the loop's delay of 4 ms makes it unstable
 ROTOR = 0.75 / 232.0**1.75  # kg·m² per N·m^1.75: PA10's first axes, scaled by the torque limit
+BETWEEN = 3.0  # times that: in the middle of the PA10's, 1, and the PUMA 560's, 4 to 17
 DRAWS = 4  # of bodies as they may be as well, beside the likeliest
 ROUGH, MEASURED = 3.0, 1.25  # by which an inertia may be wrong: a URDF's, a measured one
 
@@ -135,8 +136,15 @@ def presumed_figures(robot: Robot) -> JointFigures:
     return JointFigures(rotor, one, zero, zero, zero, rigid, zero, ROUGH * one, zero, bodies)
 
 
+def likely_figures(robot: Robot) -> JointFigures:
+    """The same with rotors as real arms have them, to either side of which there is doubt. What is
+    not made with margins for it takes the lightest that there are: as presumed."""
+    presumed = presumed_figures(robot)
+    return presumed.but(rotor=BETWEEN * presumed.rotor)
+
+
 def first_figures(robot: Robot, places: Sequence[Any]) -> JointFigures:
-    """Presumed, of an arm that goes from one of these places (K, n) rad to the next, and about each
+    """Likely, of an arm that goes from one of these places (K, n) rad to the next, and about each
     strokes one joint after the other."""
     stops = np.array(places, dtype=float)
     share = np.linspace(0.0, 1.0, ON_THE_WAY)[:, None]
@@ -144,7 +152,7 @@ def first_figures(robot: Robot, places: Sequence[Any]) -> JointFigures:
     apart = STROKE * np.concatenate([np.eye(robot.n), -np.eye(robot.n)])
     strokes = (stops[:, None] + apart).reshape(-1, robot.n)
     within = np.clip(strokes, robot.lower, robot.upper)
-    return presumed_figures(robot).but(about=np.concatenate([stops, *ways, within]))
+    return likely_figures(robot).but(about=np.concatenate([stops, *ways, within]))
 
 
 def inertias(robot: Robot, figures: JointFigures) -> Inertias:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pa10d.common.errors import UserError
 from pa10d.common.words import of_a_slide
 from pa10d.control.gains import PidGains, burdens, gravity_slope
-from pa10d.control.joint_figures import ROUGH, JointFigures, inertias, presumed_figures
+from pa10d.control.joint_figures import ROUGH, JointFigures, inertias, likely_figures
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.dynamics.mass import mass_matrices
 from pa10d.experiments.felt_bodies import felt_bodies, told_by_weight
@@ -45,7 +45,7 @@ def measured_figures(
 ) -> JointFigures:
     """What is known after these parts, ``friction`` first. step: (n,) N·m, the torque's own;
     before: what was presumed, of an arm that stays about one place until ``response`` is known."""
-    presumed = presumed_figures(robot)
+    presumed = likely_figures(robot)
     nudged = _together(parts["friction"])
     parts = {**parts, "friction": nudged}
     usual = inertias(robot, presumed).usual
@@ -108,7 +108,7 @@ def felt_again(
 def felt_on_the_way(robot: Robot, one: Seen, before: JointFigures) -> JointFigures:
     """What is known of bodies after a ``friction`` part that a joint ended by falling behind. What
     a joint rubbed by counts as doubt alone: it may be all of the torque that it stuck under."""
-    usual = inertias(robot, presumed_figures(robot)).usual
+    usual = inertias(robot, likely_figures(robot)).usual
     rubbed = {
         j: friction_of(one.q[:, j], one.torque[:, j], one.rate, float(usual[j]))
         for j in range(robot.n)
@@ -208,7 +208,7 @@ def _slid(
     softest = SOFTEST * robot.effort[j] if np.isfinite(robot.effort[j]) else 0.0
     if (found := slid_friction(q, torque, seen.rate, softest, dry)) is not None:
         return found
-    own = presumed_figures(robot).rotor[j] + mass_matrices(robot, seen.q[cut][:1])[0, j, j]
+    own = likely_figures(robot).rotor[j] + mass_matrices(robot, seen.q[cut][:1])[0, j, j]
     return friction_of(q, torque, seen.rate, float(own)), None
 
 

@@ -14,7 +14,15 @@ from gain_grid import built, drawn
 
 from pa10d.control.envelope import OVERSHOOT
 from pa10d.control.faults import Fault
-from pa10d.control.joint_figures import JointFigures, first_figures, inertias, presumed_figures
+from pa10d.control.joint_figures import (
+    BETWEEN,
+    ROTOR,
+    ROUGH,
+    JointFigures,
+    first_figures,
+    inertias,
+    presumed_figures,
+)
 from pa10d.dynamics import robot_from_profile
 from pa10d.services.joints import begun, calmed, firmed, learnt, not_held
 from pa10d.services.starting_set import STARTING_SET
@@ -28,6 +36,11 @@ FRICTION_250 = {
 
 
 PLANS: dict[str, Plan] = {}
+
+
+def with_light_rotors(robot, places):
+    """As an arm is begun with whose rotors are thought to be as small as the PA10's."""
+    return first_figures(robot, places).but(rotor=presumed_figures(robot).rotor)
 
 
 def planned(kind: str, parameters: dict) -> Plan:
@@ -228,7 +241,7 @@ def test_gains_are_made_for_where_the_first_motion_goes(tmp_path):
     """Stretched out this arm turns about its first joint with thirty times the inertia."""
     arm = foreign(2, tmp_path)
     robot, home = arm.robot, arm.around.limits.rest_pose()
-    near, anywhere = first_figures(robot, [home, home]), presumed_figures(robot)
+    near, anywhere = with_light_rotors(robot, [home, home]), presumed_figures(robot)
     assert inertias(robot, near).heavy[0] < 0.2 * inertias(robot, anywhere).heavy[0]
     kept = JointFigures.from_document(json.loads(json.dumps(near.document())))
     np.testing.assert_array_equal(kept.about, near.about)
@@ -326,7 +339,7 @@ def test_doubt_that_gains_meet_is_met_and_what_none_hold_is_refused(tmp_path):
 def test_no_rate_is_named_that_the_bus_does_not_carry(tmp_path):
     arm = foreign(903, tmp_path)
     places = np.array([arm.plant.measure()[0], arm.around.limits.rest_pose()])
-    known = learnt(arm.profile, arm.robot, first_figures(arm.robot, places))
+    known = learnt(arm.profile, arm.robot, with_light_rotors(arm.robot, places))
     bus = arm.profile.can.model_copy(update={"bitrate": 200_000})
     slow = arm.profile.model_copy(update={"can": bus})
     said = not_held(slow, arm.robot, known)
@@ -348,7 +361,7 @@ def test_a_bandwidth_that_is_left_out_is_enough(tmp_path):
 def test_firmer_may_mean_more_damping_and_a_quicker_integral():
     """Of a joint whose stiffness is bound otherwise: kp alone would call that no change."""
     arm = ArmBench(100.0)
-    figures = first_figures(arm.robot, [np.zeros(7)] * 2).but(
+    figures = with_light_rotors(arm.robot, [np.zeros(7)] * 2).but(
         doubt=np.full(7, 2.0), coulomb=np.full(7, 9.5), viscous=np.full(7, 4.2)
     )
     known = learnt(arm.profile, arm.robot, figures)
@@ -402,7 +415,7 @@ def test_a_step_that_makes_nothing_firmer_is_followed_by_another(tmp_path):
     integral is no firmer against slow pushes, and was the end of trying."""
     arm = foreign(100, tmp_path)
     places = np.array([arm.plant.measure()[0], arm.around.limits.rest_pose()])
-    known = learnt(arm.profile, arm.robot, first_figures(arm.robot, places))
+    known = learnt(arm.profile, arm.robot, with_light_rotors(arm.robot, places))
     again = firmed(arm.profile, arm.robot, known, fell(3)).known
     assert again.gains.kp[3] > 1.9 * known.gains.kp[3]
     assert again.gains.ki[3] > known.gains.ki[3]
@@ -425,3 +438,12 @@ def test_a_series_that_leaves_no_acceleration_to_enter_it_with_gets_smaller(tmp_
     plan = read_request(asked).build(arm.around)
     rise = np.abs(plan.sample(200.0).ddq).max(axis=0) / arm.around.limits.acceleration
     assert 0.9 < rise.max() <= 1.0 + 1e-9
+
+
+def test_rotors_are_thought_to_be_between_those_of_known_arms():
+    """kg·m² of the PUMA 560 (J·G², Corke & Armstrong-Helouvry 1994) beside N·m of its limits."""
+    own = np.array([0.78, 2.32, 0.577, 0.19, 0.17, 0.194])
+    limit = np.array([97.6, 186.4, 89.4, 24.2, 20.1, 21.3])
+    as_a_pa10 = ROTOR * limit**1.75
+    assert np.log(own / as_a_pa10).mean() == pytest.approx(2.0 * np.log(BETWEEN), abs=0.2)
+    assert BETWEEN <= ROUGH, "the PA10's own"
