@@ -15,7 +15,7 @@ import scipy
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import BROKEN_SHARE, CLUSTERS, FRICTION_LEVEL, SEARCH_LEVEL
-from pa10d.diagnose.evidence.errors_of import doubt_of
+from pa10d.diagnose.evidence.errors_of import doubt_of, honest_covariance
 from pa10d.diagnose.evidence.held_out import fit_side_power, judge
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
@@ -29,7 +29,8 @@ Array = NDArray[np.float64]
 class OtherFriction:
     """Of a joint (0-based): share of its squared error that is gone where the held-out runs have
     Coulomb and viscous friction of their own; rms: N·m of that; lower, or higher, than fitted;
-    goes_on: in the course of the fitted runs it changes that way, too."""
+    goes_on: in the course of the fitted runs it changes that way, too; left_open: these leave as
+    much of it open, by what the model lacks as well as by noise."""
 
     joint: int
     share: float
@@ -37,6 +38,7 @@ class OtherFriction:
     p_value: float
     lower: bool
     goes_on: bool
+    left_open: bool = False
     variables: tuple[str, ...] = ()
 
     @property
@@ -44,6 +46,8 @@ class OtherFriction:
         """``gone if its friction is lower in the runs held out than in those fitted``."""
         than = "lower" if self.lower else "higher"
         text = f"gone if its friction is {than} in the runs held out than in those fitted"
+        if self.left_open and not self.goes_on:
+            return f"{text}, which leave as much of it open: fit to motion like the held-out, too"
         if not self.goes_on:
             return f"{text}, as of a joint that was warmer or colder, or has worn"
         falls = "falls" if self.lower else "rises"
@@ -69,7 +73,10 @@ def _of(state: SearchState, joint: int) -> OtherFriction | None:
     had = float(error[joint] @ error[joint])
     if not had:
         return None
-    own = np.linalg.lstsq(rubs, error[joint], rcond=None)[0]
+    own: Array = np.asarray(np.linalg.lstsq(rubs, error[joint], rcond=None)[0])
+    places = _of_textbook(state, joint)
+    if len(places) == len(own) and _power(rubs, state.fit.beta[places] + own) < 0.0:
+        return None  # that would be no friction: it would drive its joint
     change: PerJoint = {joint: rubs @ own}
     left = error[joint] - change[joint]
     share = 1.0 - float(left @ left) / had
@@ -81,7 +88,30 @@ def _of(state: SearchState, joint: int) -> OtherFriction | None:
     along = _along_the_runs(state, joint)
     rms = float(np.sqrt(share * had / len(left)))
     lower = bool(np.sum(typical) < 0.0)
-    return OtherFriction(joint, share, rms, p_value, lower, along is not None and along == lower)
+    goes_on = along is not None and along == lower
+    left_open = _within_doubt(state, places, own)
+    return OtherFriction(joint, share, rms, p_value, lower, goes_on, left_open)
+
+
+def _power(rubs: Array, friction: Array) -> float:
+    """W, summed over the samples, that friction of these coefficients takes."""
+    return float((rubs @ friction) @ rubs[:, 1])
+
+
+def _of_textbook(state: SearchState, joint: int) -> list[int]:
+    """Which coefficients are its Coulomb and viscous friction, as far as the model has them."""
+    there = {t.effect.id: k for k, t in enumerate(state.terms) if t.joints == (joint,)}
+    return [state.place(there[name]).start for name in ("coulomb", "viscous") if name in there]
+
+
+def _within_doubt(state: SearchState, places: list[int], own: Array) -> bool:
+    """May the coefficients as well be that far from where they are? Asked of the errors that a
+    model states, which know of what it lacks: a joint that was warmer is said of the arm."""
+    if len(places) != len(own):
+        return False
+    covariance = honest_covariance(state)[np.ix_(places, places)]
+    away = float(own @ np.linalg.pinv(covariance, hermitian=True) @ own)
+    return float(scipy.stats.chi2.sf(away, len(own))) * state.held.n > FRICTION_LEVEL
 
 
 def _along_the_runs(state: SearchState, joint: int) -> bool | None:
