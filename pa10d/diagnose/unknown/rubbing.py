@@ -73,7 +73,7 @@ def _of(state: SearchState, joint: int) -> OtherFriction | None:
     had = float(error[joint] @ error[joint])
     if not had:
         return None
-    own: Array = np.asarray(np.linalg.lstsq(rubs, error[joint], rcond=None)[0])
+    own = np.asarray(np.linalg.lstsq(rubs, error[joint], rcond=None)[0], dtype=np.float64)
     places = _of_textbook(state, joint)
     if len(places) == len(own) and _power(rubs, state.fit.beta[places] + own) < 0.0:
         return None  # that would be no friction: it would drive its joint
