@@ -36,6 +36,7 @@ LEAST = 0.5  # of its way that a joint turns at least
 SMALLER = 0.9  # of what a joint may be off, that is aimed at where it turns less far for that
 SMALLER_YET = (0.7, 0.5, 0.35, 0.25, 0.15, 0.1)  # shares of a motion that first weighs the arm
 UNHURRIED = (1.0, 2.0, SLOWEST)  # paces at which those are looked at
+WORTH_A_WORD = 1e-3  # of its way, that a joint leaves out
 STILL = 1e-6  # rad: a joint that does not leave its middle
 IN_DOUBT = (
     "{}: what the arm weighs is too much in doubt for the whole of it; {:.0%} of it is run before, "
@@ -74,7 +75,8 @@ class Adjusted:
             (self.less_far, "to keep clear of position limits"),
             (self.smaller, "to keep to their paths"),
         ):
-            each = ", ".join(f"joint {j}: {100 * x:.2g} %" for j, x in left_out.items())
+            seen = {j: x for j, x in left_out.items() if x >= WORTH_A_WORD}
+            each = ", ".join(f"joint {j}: {100 * x:.2g} %" for j, x in seen.items())
             said += [f"turned less far, {why} ({each})"] if each else []
         return said
 

@@ -12,7 +12,7 @@ from pa10d.dynamics import inverse_dynamics, robot_from_profile
 from pa10d.dynamics.mass import mass_matrices
 from pa10d.experiments.measured_joints import lowered
 from pa10d.experiments.motion import whole_motion
-from pa10d.experiments.pacing import Joints, paced
+from pa10d.experiments.pacing import Adjusted, Joints, paced
 from pa10d.experiments.prediction import PACES
 from pa10d.experiments.slower import AS_ASKED, Slower
 from pa10d.profile import load_profile
@@ -213,3 +213,9 @@ def test_where_weights_alone_are_in_doubt_a_smaller_motion_is_run_before(arm):
     alone = soft.figures.but(bodies=soft.figures.bodies[1:])  # it is sure to weigh as much
     sure = tried(share, replace(soft, figures=alone, ahead=False))
     assert (sure.check.level, sure.weighs) == ("error", None)
+
+
+def test_a_way_that_nobody_sees_is_not_spoken_of():
+    """ "turned less far, to keep clear of position limits (joint 6: 0.00097 %)" was said."""
+    assert Adjusted(1.0, "", {6: 9.7e-6}).document() is None
+    assert "(joint 2: 5 %)" in Adjusted(1.0, "", {2: 0.05, 6: 9.7e-6}).phrases[0]
