@@ -155,15 +155,19 @@ def _slower_than(runs: Sequence[RunResidual], joint: int, found: Moments) -> str
 
 
 def _after_rests(runs: Sequence[RunResidual], joint: int, found: Moments) -> bool:
-    """Does most of it lie where the joint has just moved on after a rest, and more of the stretches
-    than by chance?"""
-    begins = []
-    for run in runs:
+    """Does it lie where the joint has just moved on after a rest, and more of the stretches than by
+    chance? Not where as it comes to rest the error is much the same: what happens at low speed is
+    no matter of having stood."""
+    begins, parts = [], []
+    for number, run in enumerate(runs):
         rate, speed = run.equation.rate, run.seen.dq[:, joint]
         moved = run.decimated(since_rest(speed, 1.0 / run.seen.dt)) < START
         begins.append(_stretches(np.ones(len(moved)), moved, rate)[1] > 0.0)
+        few = found.few[found.run == number][_stretch_of(len(moved), rate)]
+        error = np.where(run.judged[:, joint] & few, run.error[:, joint], 0.0)
+        parts.append((np.sum(error[moved] ** 2), np.sum(error**2)))
     after, counted = np.concatenate(begins), found.time > 0.0
-    share = float(found.power[found.few & after].sum() / found.power[found.few].sum())
+    lies, whole = np.sum(parts, axis=0)
     hit, of = int(np.sum(found.few & after)), int(found.few.sum())
     chance = scipy.stats.binom.sf(hit - 1, of, float(np.mean(after[counted])))
-    return share > 0.5 and bool(chance < BY_CHANCE)
+    return bool(lies > MOST * whole and chance < BY_CHANCE)

@@ -56,14 +56,38 @@ def test_what_comes_where_the_joint_moves_on_after_a_rest_is_told_as_that(late, 
     speed = np.where(since > 0.0, np.sin(np.pi * np.clip(since, 0.0, 2.0) / 2.0), 0.0)
     error = np.where((since > late) & (since < late + 0.15) & (t // 3.0 % 3.0 == 0.0), 4.0, 0.05)
     found = few_moments([(error, since > 0.05, 50.0)])
-    seen = SimpleNamespace(dq=speed[:, None], dt=0.02)
     run = SimpleNamespace(
-        seen=seen, equation=SimpleNamespace(rate=50.0), decimated=lambda values: values
+        seen=SimpleNamespace(dq=speed[:, None], dt=0.02),
+        error=error[:, None],
+        judged=(since > 0.05)[:, None],
+        equation=SimpleNamespace(rate=50.0),
+        decimated=lambda values: values,
     )
     assert _after_rests([run], 0, found) == told
     words = Knocks(found.share, found.seconds, 40.0, "r", 4.0, told).words
     assert ("after it has stood" in words) == told
     assert ("a knock" in words) != told
+
+
+@pytest.mark.parametrize(("before", "told"), [(0.0, True), (4.0, False)])
+def test_what_comes_as_much_before_a_rest_is_no_matter_of_having_stood(before, told):
+    """ "A brake that lets go late" was said of Stribeck friction whose corner was too sharp."""
+    t = np.arange(0.0, 60.0, 0.02)
+    since = (t - 1.72) % 3.0  # s since it moved on from a rest of 0.1 s
+    speed = np.where(since < 2.9, np.sin(np.pi * since / 2.9), 0.0)
+    there = t // 3.0 % 5.0 == 2.0
+    error = np.where((since < 0.12) & there, 4.0, 0.05)
+    error = np.where((since > 2.78) & (since < 2.9) & there, before, error)
+    judged = speed > 0.0
+    found = few_moments([(error, judged, 50.0)])
+    run = SimpleNamespace(
+        seen=SimpleNamespace(dq=speed[:, None], dt=0.02),
+        error=error[:, None],
+        judged=judged[:, None],
+        equation=SimpleNamespace(rate=50.0),
+        decimated=lambda values: values,
+    )
+    assert _after_rests([run], 0, found) == told
 
 
 @pytest.mark.parametrize(("after", "told"), [(0.0, True), (0.9, False)])
