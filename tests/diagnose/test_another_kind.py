@@ -14,6 +14,8 @@ from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.corners import as_unsure, turned
 from pa10d.diagnose.search.harm import rms
 from pa10d.diagnose.search.rivals import of_another_kind
+from pa10d.diagnose.search.steps import Search
+from pa10d.effects import effect
 from pa10d.effects.base import smooth_sign
 from pa10d.model import Term
 
@@ -46,6 +48,20 @@ def test_bristles_that_were_taken_for_undamped_are_damped():
 def test_bristles_that_are_not_damped_stay_so():
     state = on_bristles(undamped, 4)
     assert of_another_kind(state, len(state.terms) - 1, len(state.terms) - 1) is None
+
+
+def test_damped_bristles_whose_damping_is_gone_are_plain_ones():
+    """They were dropped for a shape at its end, and the channel that they had stood in for with
+    them: bristles of 20.15 ± 0.05 for 20 mrad, and a delay for a second order at 18 Hz."""
+    state = on_bristles(undamped, 4)
+    index = len(state.terms) - 1
+    gone = {"zs": WAY, "damped": 1.0, "lag": 1e-4}
+    state.replace_term(index, replace(state.terms[index], shape=gone))
+    state.refit()
+    search = Search(state, [(effect("presliding_hysteresis"), (0,))], index)
+    assert search.prune() == set()
+    (term,) = search.state.terms[index:]
+    assert term.shape == {"zs": pytest.approx(WAY, rel=0.02)}
 
 
 @cache

@@ -18,7 +18,13 @@ from pa10d.diagnose.regression.shaken import Shaken
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search import channel
-from pa10d.diagnose.search.channel import behind_channel, channel_words, tuned
+from pa10d.diagnose.search.channel import (
+    agree_by_now,
+    behind_channel,
+    beside_springs,
+    channel_words,
+    tuned,
+)
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.unknown.among_knocks import among_knocks
@@ -262,3 +268,20 @@ def test_what_is_not_late_is_not_smoothed():
     train, held, _ = two_sides(replace(late, shift=0.0, channel=None), runs[:2], runs[2:])
     columns = perhaps_smoothed(SearchState.start(late, train, held))
     assert {c.shape[1] for c in columns.values()} == {0}
+
+
+@pytest.mark.parametrize(("joints", "agreed"), [((0, 1), True), ((1,), False)])
+def test_what_a_spring_has_taken_the_part_of_is_asked_once_that_is_fitted_behind_it(joints, agreed):
+    """A first order at 16.3 Hz beside a spring: the spring's joint did not ask for it, for K was
+    482 ± 15 for 537 by then and the rotor 0.068 ± 0.006 for 0.043."""
+    late = taken_for_late(joints)
+    assert beside_springs(late) is None
+    sprung = late.copy()
+    sprung.push(Term("joint_elasticity", (0,), np.ones(1), {"K": 1e6, "zeta": 0.05}))
+    sprung.refit()
+    behind = beside_springs(sprung)
+    if agreed:
+        assert behind.model.channel.kind == "first order"
+        assert 0.5 / np.pi / behind.model.channel.seconds == pytest.approx(HERTZ, rel=0.2)
+    one = late.behind(TorqueFilter("first order", 0.5 / np.pi / HERTZ))
+    assert agree_by_now(late, one) == agreed

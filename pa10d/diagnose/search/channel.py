@@ -62,6 +62,34 @@ def behind_channel(state: SearchState) -> SearchState | None:
     return next((state.behind(one) for one in better), None)
 
 
+def beside_springs(state: SearchState) -> SearchState | None:
+    """The same behind the low-pass that suits all joints best together, where a joint with a spring
+    does not ask for it as it is: that was fitted without it, and has taken its part, so that it has
+    to be fitted with it first (``agree_by_now``)."""
+    first = state.train.runs[0]
+    late = first.shift * first.lowpass.cutoff
+    sprung = any(term.effect.series_spring for term in state.terms)
+    if not sprung or state.frozen or late < LEAST_DELAY or first.lowpass.channel is not None:
+        return None
+    (seen,) = clear_of_knocks(state)
+    asks = _asking(seen, shape_slopes(seen))
+    each = [_of_kind(k, first.shift / late, asks) for k, late in DELAYS.items()]
+    to, gains = _as_late(seen, each)
+    return state.behind(to) if _over(*gains) > SIGNIFICANT else None
+
+
+def agree_by_now(before: SearchState, after: SearchState) -> bool:
+    """Do all joints together, and all but the one that gains most, gain by as much as they would
+    have to ask for: now that both states are as good as they get?"""
+    was, now = clear_of_knocks(before, after)
+    left, sigma = now.train_residual(), was.fit.sigma
+    rest = {j: r / sigma[j] for j, r in left.items()}
+    own = {j: was.fit.residual[j] - r for j, r in rest.items()}
+    gains = np.array([own[j] @ (was.fit.residual[j] + rest[j]) for j in sorted(own)])
+    errors = 2.0 * np.sqrt(np.maximum(_variance(was, own, rest), 0.0))
+    return _agreed(gains, errors)
+
+
 def _better(before: SearchState, after: SearchState) -> bool:
     """Is motion held out told better, without reversals and with them?"""
     was, now = (sizes(one, made_held_out(one)).sum(axis=1) for one in (before, after))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 
 import numpy as np
@@ -26,7 +26,12 @@ from pa10d.diagnose.regression.clear_of_knocks import blurred, clear_of_knocks
 from pa10d.diagnose.regression.shaken import made_held_out
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, scan, sharpened
-from pa10d.diagnose.search.channel import behind_channel, tuned
+from pa10d.diagnose.search.channel import (
+    agree_by_now,
+    behind_channel,
+    beside_springs,
+    tuned,
+)
 from pa10d.diagnose.search.corners import (
     as_unsure,
     corners_anew,
@@ -190,8 +195,18 @@ class Search:
         if not self.suspects or (known and len(self.state.terms) == self.fixed):
             return False
         found = behind_channel(self.state)
-        if found is None:
-            return False
+        if found is not None:
+            return self._gone_behind(found)
+        found = beside_springs(self.state)
+        return found is not None and self._gone_behind(found, agree_by_now)
+
+    def _gone_behind(
+        self,
+        found: SearchState,
+        agreed: Callable[[SearchState, SearchState], bool] = lambda before, after: True,
+    ) -> bool:
+        """Behind a channel, with shapes that follow it, unless that spoils something, or joints do
+        not agree to it then."""
         saved, self.state = self.state.copy(), corners_anew(found)
         self.settle()
         for _ in range(TIMING_ROUNDS):  # shapes that follow it, and are followed by it
@@ -202,7 +217,8 @@ class Search:
             self.settle()
         self.prune()
         was, now = clear_of_knocks(saved, self.state)
-        if spoils(was, now, (made_held_out(was), made_held_out(now))):
+        spoilt = spoils(was, now, (made_held_out(was), made_held_out(now)))
+        if spoilt or not agreed(saved, self.state):
             self.state = saved
             return False
         return True
@@ -540,6 +556,7 @@ class Search:
         whatever bends to it."""
         dropped: set[Place] = set()
         while len(self.state.terms) > self.fixed:
+            self._plainly()
             weakest = None
             (clear,) = clear_of_knocks(self.state)
             for index in range(self.fixed, len(self.state.terms)):
@@ -558,6 +575,25 @@ class Search:
             self.state.drop(weakest[0])
             self.state.refit()
         return dropped
+
+    def _plainly(self) -> None:
+        """Additions as the plain kind of their effect, where what theirs has besides has come to an
+        end of what it may be, and that one can be what it is called: damped bristles whose damping
+        is gone, as behind the channel that it stood in for."""
+        for index in range(self.fixed, len(self.state.terms)):
+            term = self.state.terms[index]
+            optional = {shape.name for shape in term.effect.shapes if shape.optional}
+            if not optional & term.shape.keys() or not term.effect.bent(term.shape):
+                continue
+            plain = {name: v for name, v in term.shape.items() if name not in optional}
+            trial = self.state.copy()
+            trial.replace_term(index, replace(term, shape=plain))
+            trial.refit()
+            refine(trial, self.fixed, index)
+            judged = Judging(trial, self.suspects, self.fixed).term(index)
+            most = (1.0 + MATERIAL_GAIN) * rms(self.state.held_residual())
+            if judged.acceptable and np.all(rms(trial.held_residual()) <= most):
+                self.state = trial
 
     def reconsider(self) -> set[Place]:
         """Drop earlier findings that the newest one, fitted again in their absence, can do
