@@ -58,7 +58,17 @@ class Contact(Effect):
     def starts(self, context, joints):
         low, high = np.min(context.q[:, joints[0]]), np.max(context.q[:, joints[0]])
         span = high - low
-        shares = (0.03, 0.07, 0.12, 0.2, 0.3, 0.4)
+        shares = (
+            0.03,
+            0.07,
+            0.12,
+            0.2,
+            0.3,
+            0.4,
+            0.55,
+            0.7,
+            0.85,
+        )  # a cable slack for a little way
         return [{"qs": float(high - s * span), "side": 1.0} for s in shares] + [
             {"qs": float(low + s * span), "side": -1.0} for s in shares
         ]
