@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.identify.blocks import Pieces
+from pa10d.identify.jackknife import moved_by_stretches, without_each
 from pa10d.identify.piece import Piece
 from pa10d.identify.rows import Rows, triangles_of
 from pa10d.model import Term
@@ -39,7 +40,7 @@ WIDEST = 0.03  # of the fast speed: a sign smoothed over more is no Coulomb fric
 class Smoothing:
     """v0 (n,) rad/s; found (n,) False where the data cannot tell it from the usual value (few
     reversals, little friction); errors (n,) rad/s: standard errors, by how fast the squared error
-    rises around the best."""
+    rises around the best, and from stretch to stretch."""
 
     v0: Array
     found: NDArray[np.bool_]
@@ -71,14 +72,31 @@ def find_smoothing(pieces: Pieces, layout: Layout) -> Smoothing:
             np.unique(np.clip(b * factors, COARSE[0], w)) if fine else np.array([b])
             for b, w, fine in zip(best, widest, np.logical_or(beyond, at_optimum), strict=True)
         ]
-        fits = _fits(pieces, layout, grids)
-        losses = [_loss(f, len(g)) for f, g in zip(fits, grids, strict=True)]
+        rows = list(_trial_rows(pieces, layout, grids))
+        losses = _losses(triangles_of(rows), grids)
         if factors is FINE:
             spread = np.array([_spread(*of) for of in zip(grids, losses, unit, strict=True)])
-        best = np.array([_minimum(g, loss) for g, loss in zip(grids, losses, strict=True)])
+            spread = np.hypot(spread, _from_stretch_to_stretch(rows, grids))
+        best = _best(grids, losses)
     pieces.forget_columns()
     v0 = np.where(found, best, START_V0)
     return Smoothing(v0, found, np.where(found, v0 * spread, np.inf))
+
+
+def _losses(fits: Sequence[Triangle], grids: Sequence[Array]) -> list[Array]:
+    return [_loss(f, len(g)) for f, g in zip(fits, grids, strict=True)]
+
+
+def _best(grids: Sequence[Array], losses: Sequence[Array]) -> Array:
+    return np.array([_minimum(g, loss) for g, loss in zip(grids, losses, strict=True)])
+
+
+def _from_stretch_to_stretch(rows: Sequence[Rows], grids: Sequence[Array]) -> Array:
+    """(n,) standard error of ln v0 by how far it depends on which reversals are looked at: a joint
+    that goes through its corner within a sample tells it by where in that it turned round, which
+    no noise of its torque knows of."""
+    without = without_each(rows, lambda fits: np.log(_best(grids, _losses(fits, grids))))
+    return np.array([moved_by_stretches(of_joint) for of_joint in without.T])
 
 
 def sharp_where_unseen(smoothing: Smoothing, faster_than: Array | None) -> Smoothing:
