@@ -107,6 +107,7 @@ class Arm:
         self._stop: Stop | None = None
         self._by_drives: DrivesStop | None = None  # of axes that take no torque of ours
         self._slipping: Slipping | None = None  # behind brakes that have just closed
+        self._slips = False  # as this fault is latched a brake does not hold
         self._open_since = 0.0  # s, when the last brake opened
         self._held_at: Array | None = None  # where the arm was held when its brakes closed
         self._held_by: tuple[Array, Array] | None = None  # the same, and the torque that held it
@@ -247,7 +248,7 @@ class Arm:
             needed = (ArmState.FAULT, ArmState.INACTIVE)
             raise Refused("reset", self.state, needed, REMEDIES[self.state])
         require("reset", self.state, ArmState.FAULT, ArmState.INACTIVE)
-        fell = self.fault is not None and self.fault.fell
+        fell = self.fault is not None and self.fault.fell and not self._slips
         passed = self.path.time - self.fault.time if self.fault is not None else 0.0
         self._rest = float(np.clip(self._rests - passed, 0.0, self._rests)) if fell else 0.0
         self._switch(ArmState.RESETTING)
@@ -500,7 +501,7 @@ class Arm:
             self._slipping = None
             return
         for axis, far in slipping.see(path.time, path.q, path.dq, path.age):
-            self._together = True
+            self._together = self._slips = True
             gone = path.limits.in_units(axis, f"went {far:.2g} rad in its closed brake")
             slipped = f"{gone}, without power: that does not hold it"
             if self.fault is None:
@@ -774,7 +775,7 @@ class Arm:
         return replace(fault, alone_next=True)
 
     def _clear_fault(self) -> None:
-        self.fault = None
+        self.fault, self._slips = None, False
         self.journal.fault(None)
 
     def _admit(self, command: str, controller: Controller) -> None:

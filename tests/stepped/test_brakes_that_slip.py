@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from pa10d.control.faults import Fault, LoopFault
 from pa10d.control.limits import ArmLimits
 from pa10d.control.slipping import CATCHES, Slipping
 
+FINE = Fault("", "")
 WEAK = 0.85  # of what it needs; friction bears a little, too
 AT = 1  # 0-based, of the joint
 
@@ -52,6 +54,25 @@ def test_after_a_stop_by_the_drives_it_is_told_and_then_held_by_all_motors_at_on
     world.run(story())
     assert world.faults[0].kind == "daemon_gone"
     assert abs(stood[1] - stood[0]) < 0.02, "it was not caught at once"
+
+
+def test_links_are_not_waited_for_while_a_brake_slips(make_world):
+    """After a fall `reset` lasts 5 s: the joint went on falling meanwhile."""
+    world = make_world(home=[0.0, 0.9, 0.9])
+    mechanics, lasted = world.drives.mechanics, []
+
+    def story():
+        yield from held(world)
+        mechanics._brake_limit[AT] = WEAK * abs(float(world.arm._weight(mechanics.q)[AT]))
+        world.arm._on_fault(LoopFault("brake_gave", "left its place in its brake", AT))
+        yield lambda: "in its closed brake" in (world.arm.fault or FINE).cause
+        began = world.now
+        world.say("reset")
+        yield world.is_in("inactive")
+        lasted.append(world.now - began)
+
+    world.run(story())
+    assert lasted[0] < 0.5
 
 
 def test_switched_off_by_somebody_it_is_a_fault_of_its_own(make_world):
