@@ -159,7 +159,9 @@ def compare(options: argparse.Namespace) -> Answer:
         [
             f"{j + 1} {name}",
             f"{pooled['rms'][j]:.4g}",
-            *_against(pooled["rms"][j], pooled["noise_floor"][j]),
+            *_against(
+                pooled["rms"][j], pooled["noise_floor"][j], pooled["noise_floor_std_error"][j]
+            ),
             *(f"{pooled[key][j]:.4g}" for key in ("rms_raw", "max", "nrmse", "r2")),
         ]
         for j, name in enumerate(found.info.joints)
@@ -174,8 +176,14 @@ def compare(options: argparse.Namespace) -> Answer:
     return Answer(document, "\n".join(text))
 
 
-def _against(rms: float, floor: float | None) -> tuple[str, str]:
-    return (f"{floor:.4g}", f"{rms / floor:.2f}") if floor else ("not known", "–")
+def _against(rms: float, floor: float | None, error: float | None) -> tuple[str, str]:
+    """A noise floor, with its own doubt where that changes what a ratio to it says."""
+    from pa10d.diagnose.constants import UNSURE_FLOOR
+
+    if not floor:
+        return "not known", "–"
+    doubt = f" ± {100.0 * error / floor:.0f} %" if error and error > UNSURE_FLOOR * floor else ""
+    return f"{floor:.4g}{doubt}", f"{rms / floor:.2f}"
 
 
 def _library(options: argparse.Namespace) -> Library:

@@ -39,9 +39,12 @@ def test_what_only_a_new_fit_took_away_is_said_too():
 
 
 def test_what_reversals_leave_is_said_where_they_are_left_out():
-    """Friction of low speeds may hide there: 25 N·m beside 60 were called nothing."""
+    """Friction of low speeds may hide there: 25 N·m beside 60 were called nothing. Or nothing does:
+    a clean arm that turns round within a sample had "sticking, or friction that the model lacks".
+    """
     said = nothing([0.1, 0.2], [0.1, 0.2], False, with_reversals=[0.24, 0.2])
     assert "with them, there is up to 2.4 times the noise on joint 1:" in said
+    assert "or turning round faster than the samples follow" in said
     assert nothing([0.1], [0.1], False, with_reversals=[0.11]) == nothing([0.1], [0.1], False)
 
 

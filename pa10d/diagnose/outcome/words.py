@@ -157,8 +157,9 @@ def _left_out(ratio: Array) -> str:
     """What is left where reversals count, too, (n,) times the floor, if that is more than noise."""
     found = _most_of(ratio)
     return found and (
-        f" Reversals are left out of that; with them, there is up to {found}: sticking, or "
-        "friction at low speed that the model lacks. Slow, steady motion would tell."
+        f" Reversals are left out of that; with them, there is up to {found}: sticking, friction "
+        "at low speed that the model lacks, or turning round faster than the samples follow. "
+        "Slow, steady motion would tell."
     )
 
 
