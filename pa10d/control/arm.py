@@ -496,11 +496,12 @@ class Arm:
         """Whether they hold the arm. Nothing is done about one that does not but to say so: who
         asked for no power, or had it taken away, gets none unasked. Who asks for it again has all
         joints held at once: it would slip on while others have their turn."""
-        path = self.path
-        if self.state in POWERED or slipping.over(path.time):
+        path, backend = self.path, self.backend
+        known = isinstance(backend, ShowsBrakes)  # an arm without brakes hangs down
+        if self.state in POWERED or slipping.over(path.time) or not known:
             self._slipping = None
             return
-        for axis, far in slipping.see(path.time, path.q, path.dq, path.age):
+        for axis, far in slipping.see(path.time, path.q, path.dq, path.age, backend.in_brakes):
             self._together = self._slips = True
             gone = path.limits.in_units(axis, f"went {far:.2g} rad in its closed brake")
             slipped = f"{gone}, without power: that does not hold it"

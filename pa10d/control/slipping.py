@@ -46,15 +46,21 @@ class Slipping:
         return now - self._now > WATCHED
 
     def see(
-        self, now: float, q: Array, dq: Array, age: NDArray[np.int64]
+        self,
+        now: float,
+        q: Array,
+        dq: Array,
+        age: NDArray[np.int64],
+        closed: NDArray[np.bool_],
     ) -> list[tuple[int, float]]:
         """Joints that slip, and by how many rad, each told once. q, dq: (n,) rad, rad/s as read;
-        age: cycles since each was fresh."""
+        age: cycles since each was fresh; closed: (n,) of which it is sure that they are in their
+        brakes."""
         jumps = np.abs(q - self._last) > JUMP * self._fastest * (now - self._seen)
         self._last, self._seen = q.copy(), now
         rests = (np.abs(dq) < self._slow) | (now - self._now > CATCHES)
-        self._at[(age != 0) | jumps] = np.nan
-        self._at = np.where(np.isnan(self._at) & rests & (age == 0), q, self._at)
+        self._at[(age != 0) | jumps | ~closed] = np.nan
+        self._at = np.where(np.isnan(self._at) & rests & (age == 0) & closed, q, self._at)
         gone = np.nan_to_num(self._down * (q - self._at))
         if now - self._now <= BEGINS:
             self._begun |= gone > GIVE

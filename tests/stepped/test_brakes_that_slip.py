@@ -94,7 +94,7 @@ ONES = np.ones(2)
 LIMITS = ArmLimits(-9.0 * ONES, 9.0 * ONES, ONES, ONES, ONES, ONES, 0.15 * ONES)
 
 
-def told(path, seconds=4.0, period=0.01):
+def told(path, seconds=4.0, period=0.01, braked=True):
     """What is said of joint 1 on this way, rad at s since its power has gone."""
     slipping, said, last = Slipping(LIMITS, 0.0, np.array([-1.0, 0.0])), [], path(0.0)
     for k in range(1, int(seconds / period)):
@@ -102,7 +102,8 @@ def told(path, seconds=4.0, period=0.01):
         if slipping.over(now):
             break
         speed = (q - last) / period
-        said += slipping.see(now, np.array([q, 0.0]), np.array([speed, 0.0]), np.zeros(2, np.int64))
+        at, fast, fresh = np.array([q, 0.0]), np.array([speed, 0.0]), np.zeros(2, np.int64)
+        said += slipping.see(now, at, fast, fresh, np.full(2, braked))
         last = q
     return said
 
@@ -113,5 +114,6 @@ def test_a_brake_may_catch_a_joint_on_its_way_and_a_hand_may_turn_it_later():
     assert told(lambda t: 0.5 * max(t - 1.0, 0.0)) == [], "nobody knows who moves it by then"
     assert told(lambda t: -0.1 * t * t) == [], "upwards"
     assert told(lambda t: 2.0 * (t > 0.3)) == [], "its encoder jumped, or its drive began anew"
+    assert told(lambda t: 0.1 * t * t, braked=False) == [], "it has none, or that opens"
     assert [axis for axis, _ in told(lambda t: 0.1 * t * t)] == [0]
     assert [axis for axis, _ in told(lambda t: 0.2 * t)] == [0], f"on its way after {CATCHES} s"
