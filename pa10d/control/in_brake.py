@@ -48,6 +48,11 @@ class InBrake:
         self._before.clear()
         self.leaning.clear()
 
+    @property
+    def counts(self) -> Array:
+        """(n,) rad of one count of each encoder, as far as that was seen; 0: it was not."""
+        return np.where(np.isfinite(self._count), self._count, 0.0)
+
     def see(self, q: Array, age: NDArray[np.int64]) -> None:
         """(n,) rad as read in this cycle, and cycles since each was fresh."""
         if self._last is not None:

@@ -3,8 +3,9 @@
 A swing is counted by its halves: between two changes of sign of the speed error, each of at least
 ``SPEED`` of the speed limit, more than what the motion itself changes its speed by meanwhile, not
 smaller than two halves before, and with the servo's torque going to and fro by ``TORQUE`` of its
-limit. ``HALVES`` of them in a row are an oscillation; whoever ends the motion earlier asks what was
-counted until then. One that grows by half each time has left the envelope before it is counted
+limit. One of a few counts of the encoder is how a servo looks for an angle between two of them, and
+no swing. ``HALVES`` of them in a row are an oscillation; whoever ends the motion earlier asks what
+was counted until then. One that grows by half each time has left the envelope before it is counted
 often: from two on that is enough.
 """
 
@@ -24,6 +25,7 @@ SPEED = 0.05  # of the speed limit
 TORQUE = 0.1  # of the torque limit, from one end to the other
 OWN = 2.5  # times the change of the desired speed: margins allow no servo to answer with more
 FADES = 0.8  # of the half before the last: less is a swing that dies away
+STEPS = 2.0  # counts of its encoder, to either side
 SLOWEST = 0.5  # Hz
 HALVES, SOME, FEW = 10, 4, 2
 GROWS = 1.5  # times the half before, twice in a row: collisions and falls do not go to and fro
@@ -40,6 +42,7 @@ class OscillationWatch:
         self._speed, self._torque = SPEED * limits.velocity, TORQUE * limits.torque
         self._longest = 0.5 / (SLOWEST * period)
         self._period = period
+        self.grains = np.zeros(n)  # rad of one count of each encoder, 0: as fine as can be
         self._state = np.zeros((_ROWS, n))
         self._count = np.zeros(n, dtype=np.int64)
         self._half = np.zeros((3, n))  # cycles, rad/s, N·m of the last half that counted
@@ -57,7 +60,7 @@ class OscillationWatch:
         servo = torque - reference.extra  # what shakes the joint on purpose does not count
         axis: int = _count(
             dq, reference.dq, servo, self._speed, self._torque, self._longest, OWN, FADES, HALVES,
-            self._state, self._count, self._half,
+            np.pi * STEPS / self._period * self.grains, self._state, self._count, self._half,
         )  # fmt: skip
         return axis
 
@@ -81,7 +84,9 @@ class OscillationWatch:
 
 
 @numba.njit(cache=True)
-def _count(dq, asked, torque, fast, strong, longest, own, fades, halves, state, count, half):
+def _count(
+    dq, asked, torque, fast, strong, longest, own, fades, halves, least, state, count, half
+):  # fmt: skip
     found = -1
     for j in range(len(dq)):
         error = dq[j] - asked[j]
@@ -94,6 +99,7 @@ def _count(dq, asked, torque, fast, strong, longest, own, fades, halves, state, 
             counts = (
                 cycles <= longest
                 and speed >= fast[j]
+                and speed * cycles >= least[j]
                 and speed >= own * (state[_MOST, j] - state[_LEAST, j])
                 and speed >= fades * before
                 and swing >= strong[j]

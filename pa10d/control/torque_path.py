@@ -129,6 +129,7 @@ class TorquePath:
         self.measured_q[:], self.tau[:] = feedback.q, feedback.tau
         self.temperature = feedback.temperature
         self._in_brake.see(self.measured_q, self.age)
+        self._swings.grains = self._in_brake.counts
         self._dq_before[:] = self.dq
         self._speed.update(feedback.q, feedback.age, feedback.time, feedback.answers)
         moves = np.abs(self.dq) > CREEPS

@@ -50,6 +50,22 @@ def test_what_is_no_swing_is_not_called_one():
     assert (small, fading, idle, wanted) == (None, None, None, None)
 
 
+def test_a_servo_between_two_counts_of_a_coarse_encoder_does_not_swing():
+    """A wrist of 12 bits went to and fro by one of them, and was given calmer gains, with which it
+    could follow nothing."""
+    w, count = 2 * np.pi * 16.0, 2 * np.pi / 4096
+    for counts, swings in ((1.2, False), (4.0, True)):
+        watch, reference, found = OscillationWatch(limits(2), PERIOD), Reference(2), -1
+        watch.grains = np.full(2, count)
+        for k in range(int(3.0 / PERIOD)):
+            speed = counts * count * w * np.sin(w * k * PERIOD)
+            torque = 20 * np.cos(w * k * PERIOD)
+            found = max(
+                found, watch.see(np.array([0.0, speed]), reference, np.array([0.0, torque]))
+            )
+        assert (found == 1) == swings
+
+
 def test_an_arm_that_swings_is_stopped_softly_and_says_so():
     arm, backend = holding_arm()
     one = np.ones(2)
