@@ -20,6 +20,7 @@ from pa10d.diagnose.search.course import Only, searched
 from pa10d.diagnose.search.finished import Finished, finished
 from pa10d.diagnose.search.frozen import as_it_stood
 from pa10d.diagnose.search.less_than_none import or_without_impossible
+from pa10d.diagnose.search.none_at_least import or_none_at_least
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.stood_in import NoEffects, no_effects, not_asked
 from pa10d.diagnose.search.suspects import heard, suspects
@@ -64,6 +65,9 @@ def diagnose(
             begun, search, lambda other: begin(other, fit, validate), looked
         )
         begun, search, left_out = found.begun, found.search, found.words
+        begun, search = or_none_at_least(
+            begun, search, lambda: begin(begun.whole, fit, validate, none_at_least=True), looked
+        )
     no_effect = no_effects(search, begun) if only is None else not_asked(search)
     say(0.85, "looking for structure that the library does not know")
     end = finished(begun, search.state)
@@ -115,7 +119,8 @@ def _told(
     ]
     verdict = "missing" if findings else "unknown" if over.unexplained else "none"
     later = end.versions[1:]
-    stored = later if frozen else fitted_to_all(model, later, begun.fit, held.everywhere.runs)
+    runs = begun.fit, held.everywhere.runs
+    stored = later if frozen else fitted_to_all(model, later, *runs, state.none_at_least)
     say(1.0, "done")
     return Diagnosis(
         verdict=verdict,  # type: ignore[arg-type]
@@ -148,6 +153,7 @@ def _told(
         ),
         stood=stood.words,
         told=_known_before(model),
+        at_none=tuple(state.terms[index].label for index in state.at_none()),
         sharper=sharpened(model, state) if frozen else {},
         passed=channel_words(state) if smoothed else "",
         thought=str(model.channel) if smoothed and model.channel else "",

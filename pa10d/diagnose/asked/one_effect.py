@@ -7,8 +7,9 @@ from dataclasses import replace
 
 from pa10d.common.errors import UserError
 from pa10d.common.parallel import one_thread
-from pa10d.diagnose.search.begun import begin
+from pa10d.diagnose.search.begun import Begun, begin
 from pa10d.diagnose.search.delivery import warnings as said
+from pa10d.diagnose.search.none_at_least import or_none_at_least
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.suspects import label, lacking
 from pa10d.diagnose.search.versions import snapshot, unseen
@@ -37,21 +38,20 @@ def add(
     say(0.0, "filtering")
     asked = lacking(model, effect_id, joints)
     begun = begin(model, fit, validate)
+
+    def fitted(one: Begun) -> Search:
+        return _fitted(Search(one.state, asked, one.given), effect_id, say)
+
+    begun, search = or_none_at_least(
+        begun, fitted(begun), lambda: begin(model, fit, validate, none_at_least=True), fitted
+    )
     model, given = begun.model, begun.given
-    search = Search(begun.state, asked, given)
-    warnings = []
-    for number, (kind, place) in enumerate(search.suspects):
-        say(0.2 + 0.6 * number / len(search.suspects), f"fitting {effect_id}")
-        best = search.best(kind, place)
-        if best is None:
-            warnings.append(
-                f"{label(kind, place)}: this data cannot tell it from what the model has; "
-                "it was left out"
-            )
-            continue
-        search.state.push(best.term)  # the search may have gone on with a copy
-        search.state = search.state.where_shared_slips()
-        search.settle(rounds=1)
+    there = {(t.effect.id, t.joints) for t in search.state.terms[given:]}
+    warnings = [
+        f"{label(kind, place)}: this data cannot tell it from what the model has; it was left out"
+        for kind, place in search.suspects
+        if (kind.id, place) not in there
+    ]
     state = search.state
     if len(state.terms) == given:
         raise UserError(
@@ -69,6 +69,19 @@ def add(
     added = ", ".join(t.label for t in state.terms[given:])
     made = snapshot(model, state, len(state.terms), begun.as_given)
     warnings += unseen(made, state, given).values()
-    (made,) = fitted_to_all(model, [made], begun.fit, state.held.everywhere.runs)
+    held = state.held.everywhere.runs
+    (made,) = fitted_to_all(model, [made], begun.fit, held, state.none_at_least)
     warnings += said(made)
     return replace(made, name=name, change=f"added {added}"), warnings
+
+
+def _fitted(search: Search, effect_id: str, say: Progress) -> Search:
+    """With what was asked for, as far as this data can tell it from what the model has."""
+    for number, (kind, place) in enumerate(search.suspects):
+        say(0.2 + 0.6 * number / len(search.suspects), f"fitting {effect_id}")
+        best = search.best(kind, place)
+        if best is not None:
+            search.state.push(best.term)  # the search may have gone on with a copy
+            search.state = search.state.where_shared_slips()
+            search.settle(rounds=1)
+    return search

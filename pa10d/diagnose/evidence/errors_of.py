@@ -45,6 +45,7 @@ def full_covariance(
 def honest_covariance(state: SearchState) -> Array:
     """(p, p) of all coefficients as a model states them: what it lacks itself included. The search
     asks whether there is more than noise; who reads a model asks how far off it may be."""
+    state = state.as_free()
     fit = state.fit
     return covariance_under(state, fit.basis, fit.to_beta, _known(state, fit))
 

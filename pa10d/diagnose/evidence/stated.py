@@ -37,6 +37,7 @@ class Stated:
 
 def stated(state: SearchState, fresh: Collection[int]) -> Stated:
     """fresh: indices of the terms whose shapes these data have settled."""
+    state = state.as_free()
     fit, width = state.fit, state.fit.to_beta.shape[1]
     corners = corners_beside(state, fresh)
     slopes = {i: _slopes(state, i) for i in [*sorted(fresh), *corners]}

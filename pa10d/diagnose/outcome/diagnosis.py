@@ -152,6 +152,7 @@ class Diagnosis:
     sharper: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     read_wrong: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
+    at_none: tuple[str, ...] = ()  # terms, by their labels, that are held at none
 
     @property
     def heading(self) -> str:
@@ -215,6 +216,7 @@ class Diagnosis:
                 f"{words}. All else is told without it, and these versions have none"
                 for words in self.left_out
             ),
+            *self._at_none(),
             *self._no_estimates(),
             *self._own_runs(),
             *self._smoothed(),
@@ -331,6 +333,15 @@ class Diagnosis:
             if (term.effect_id, term.joints) not in found
         ]
         return tuple(text for text in said if text)
+
+    def _at_none(self) -> tuple[str, ...]:
+        if not self.at_none:
+            return ()
+        held = "is held" if len(self.at_none) == 1 else "are held"
+        return (
+            f"{listed(self.at_none)} {held} at none: a fit to these runs wants less, which no "
+            "joint has, and foretells those held out worse",
+        )
 
     def _own_runs(self) -> tuple[str, ...]:
         """That a change is sought in runs from before it, where it is."""

@@ -48,6 +48,8 @@ class SearchState:
     as_given: Array | None = None  # (n,) N·m RMS that it leaves held out as it was
     heeding: frozenset[tuple[str, tuple[int, ...]]] = frozenset()  # effects, joints: terms of whose
     # shape reversals on the fit side, too, are asked
+    none_at_least: bool = False  # of what no joint has less of than none, none is held at none
+    free: LeastSquares | None = None  # the fit without that, where it makes a difference
 
     @classmethod
     def start(
@@ -57,6 +59,7 @@ class SearchState:
         held: Side,
         frozen: bool = False,
         firmness: float = 1.0,
+        none_at_least: bool = False,
     ) -> SearchState:
         """Columns of the given model, refitted to the training side.
 
@@ -69,6 +72,7 @@ class SearchState:
         problem = LinearProblem(Unknowns(model.base, ()), prior, bodies=bodies)
         train, held = train.through(model), held.through(model)
         state = cls(problem, model, train, held, (train.rigid(kept), held.rigid(kept)))
+        state.none_at_least = none_at_least
         for term in model.terms:
             state.push(term)
         state.refit()
@@ -207,9 +211,50 @@ class SearchState:
         start = None if self.fit is None else self.fit.rms()
         self.fit = solved(self.train, self.matrix(0), self.problem, start)
         self.fit = self._within_its_doubt(lambda fit: fit)
+        self.free = None
+        if self.none_at_least:
+            self._hold_at_none()
         self.held_matrix = self.matrix(1)
         self.model = self.with_coefficients(self.fit.beta)
         self.problem = self.problem.with_terms(self.model.terms)
+
+    def below_none(self, fit: LeastSquares | None = None) -> list[int]:
+        """Indices of the textbook's terms of which a fit wants less than none."""
+        beta = (fit or self.fit).beta
+        return [k for k in self._of_textbook() if np.any(beta[self.place(k)] < 0.0)]
+
+    def at_none(self) -> list[int]:
+        """Indices of the textbook's terms that are held at none."""
+        textbook = [] if self.free is None else self._of_textbook()
+        return [k for k in textbook if not np.any(self.fit.beta[self.place(k)])]
+
+    def _of_textbook(self) -> list[int]:
+        """Indices of its terms of which no joint has less than none."""
+        return [
+            index
+            for index, term in enumerate(self.terms)
+            if term.effect.question == "textbook"
+            and all(c.lower == 0.0 for c in term.effect.coefficients)
+        ]
+
+    def _hold_at_none(self) -> None:
+        fit, held = self.fit, set[int]()
+        while below := {*self.below_none(fit)} - held:
+            held |= below
+            for index in below:
+                fit = fit.without(self.place(index))
+        if not held:
+            return
+        for index in held:
+            fit.beta[self.place(index)] = 0.0  # but for rounding, it is
+        free, self.free = self.fit, self.fit
+        # which bodies can be is asked of all columns
+        self.fit = replace(fit, triangle=free.triangle, target=free.target)
+
+    def as_free(self) -> SearchState:
+        """The same with the fit that may want less than none: what is held at none is known no
+        better for that."""
+        return self if self.free is None else replace(self, fit=self.free)
 
     def fit_without(self, index: int) -> LeastSquares:
         """The same without terms[index], all else solved anew."""

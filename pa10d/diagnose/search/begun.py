@@ -55,12 +55,14 @@ def begin(
     fit: Sequence[Recording],
     validate: Sequence[Recording],
     frozen: bool = False,
+    none_at_least: bool = False,
 ) -> Begun:
-    """validate: recordings to judge by; none: parts of the others are held out."""
+    """validate: recordings to judge by; none: parts of the others are held out; none_at_least:
+    friction and rotor inertia are held at nothing where a fit wants less."""
     whole, model = model, in_band(model)
     fit, validate = _sharing_limits(fit, validate, model)
     train, held, words = two_sides(model, fit, validate)
-    state = SearchState.start(model, train, held, frozen)
+    state = SearchState.start(model, train, held, frozen, none_at_least=none_at_least)
     as_given = held_out(model, state)
     error = with_known_floor(judged(model.name, as_given), of_own_runs([whole], model.cutoff))
     moved = rms(state.held_residual())

@@ -22,6 +22,7 @@ def fitted_to_all(
     versions: Sequence[TorqueModel],
     fit: Sequence[Recording],
     held: Sequence[RunEquation],
+    none_at_least: bool = False,
 ) -> list[TorqueModel]:
     """The versions as they are kept: where runs were cut into blocks, half of them held out, with
     the coefficients and shapes that all of the runs give. Half of a short run may say nothing of
@@ -29,7 +30,8 @@ def fitted_to_all(
 
     The held-out error of a version stays that of the fit to one half on the other: no fit to all
     has one. Its note ``delivery`` has that as promised; achieved is what the kept version leaves
-    on the same blocks. given: the model that was added to; held: what was held out
+    on the same blocks. given: the model that was added to; held: what was held out;
+    none_at_least: of friction and rotors, as they were searched
     """
     names = {run.name for run in fit}
     if not versions or names.isdisjoint(run.name for run in held):
@@ -37,13 +39,19 @@ def fitted_to_all(
     passed = replace(given, channel=versions[-1].channel)  # as a search may have found it
     whole, judged = Side.of([equation(passed, run) for run in fit]), Side.of(held)
     before = [residual_of(given, run) for run in held]
-    return [_one(given, version, whole, judged, before) for version in versions]
+    return [_one(given, one, whole, judged, before, none_at_least) for one in versions]
 
 
 def _one(
-    given: TorqueModel, version: TorqueModel, whole: Side, held: Side, before: Sequence[RunResidual]
+    given: TorqueModel,
+    version: TorqueModel,
+    whole: Side,
+    held: Side,
+    before: Sequence[RunResidual],
+    none_at_least: bool,
 ) -> TorqueModel:
-    search = Search(SearchState.start(version, whole, held), (), len(given.terms))
+    state = SearchState.start(version, whole, held, none_at_least=none_at_least)
+    search = Search(state, (), len(given.terms))
     search.settle(rounds=1)
     made = snapshot(given, search.state, len(version.terms), before)
     promise = replace(delivered(made), promised=delivered(version).achieved)

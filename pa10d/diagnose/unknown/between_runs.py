@@ -194,7 +194,9 @@ def contradiction(
 def _fitted_to_all(state: SearchState, given: int) -> SearchState:
     """The same with all its findings, fitted to what is held out as well."""
     side = Side.of([*state.train.runs, *state.held.runs])
-    whole = SearchState.start(state.model, side, state.held, state.frozen)
+    whole = SearchState.start(
+        state.model, side, state.held, state.frozen, none_at_least=state.none_at_least
+    )
     for index, term in enumerate(state.terms):
         if index < given:
             whole.replace_term(index, term)

@@ -99,9 +99,15 @@ def _power(rubs: Array, friction: Array) -> float:
 
 
 def _of_textbook(state: SearchState, joint: int) -> list[int]:
-    """Which coefficients are its Coulomb and viscous friction, as far as the model has them."""
-    there = {t.effect.id: k for k, t in enumerate(state.terms) if t.joints == (joint,)}
-    return [state.place(there[name]).start for name in ("coulomb", "viscous") if name in there]
+    """Which coefficients are what dry friction and friction by speed have there, as far as the
+    model has them, in this order."""
+    kinds = [t.effect for t in state.terms]
+    own = [
+        (not kind.smoothed_over, state.place(index).start)
+        for index, kind in enumerate(kinds)
+        if kind.question == "textbook" and kind.rubs and state.terms[index].joints == (joint,)
+    ]
+    return [place for _, place in sorted(own)]
 
 
 def _within_doubt(state: SearchState, places: list[int], own: Array) -> bool:
