@@ -19,7 +19,6 @@ from pa10d.diagnose.search.corners import sharpened
 from pa10d.diagnose.search.course import Only, searched
 from pa10d.diagnose.search.finished import Finished, finished
 from pa10d.diagnose.search.frozen import as_it_stood
-from pa10d.diagnose.search.less_than_none import or_without_impossible
 from pa10d.diagnose.search.none_at_least import or_none_at_least
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.stood_in import NoEffects, no_effects, not_asked
@@ -59,12 +58,8 @@ def diagnose(
     def looked(one: Begun) -> Search:
         return searched(one, only, steps, lambda share, what: say(0.1 + 0.7 * share, what))
 
-    search, left_out = looked(begun), ()
+    search = looked(begun)
     if only is None:
-        found = or_without_impossible(
-            begun, search, lambda other: begin(other, fit, validate), looked
-        )
-        begun, search, left_out = found.begun, found.search, found.words
         begun, search = or_none_at_least(
             begun, search, lambda: begin(begun.whole, fit, validate, none_at_least=True), looked
         )
@@ -73,7 +68,7 @@ def diagnose(
     end = finished(begun, search.state)
     if only is None and not no_effect.told:
         no_effect = replace(no_effect, apart=_unlike_fitted(begun, search, end))
-    return replace(_told(begun, search, no_effect, end, only, say), left_out=left_out)
+    return _told(begun, search, no_effect, end, only, say)
 
 
 def _saying(progress: Progress | None, cancel: Callable[[], bool] | None) -> Progress:

@@ -9,7 +9,9 @@ import pytest
 from two_links import VISCOUS, recordings, state_of, textbook
 
 from pa10d.diagnose.evidence.stated import stated
+from pa10d.diagnose.search import none_at_least
 from pa10d.diagnose.search.none_at_least import or_none_at_least
+from pa10d.effects import Value
 
 DRIVES = VISCOUS[1] + 0.3  # N·m·s/rad: more than the joint rubs
 
@@ -47,13 +49,27 @@ def test_where_nothing_is_below_none_all_is_as_it_was():
     np.testing.assert_array_equal(held.fit.beta, free.fit.beta)
 
 
-def looked(left, below=True, frozen=False):
-    """A search that keeps ``left`` of two joints held out."""
+def looked(left, below=True, frozen=False, finds=0):
+    """A search that keeps ``left`` of two joints held out, and found so many effects."""
     state = SimpleNamespace(
-        frozen=frozen, below_none=lambda fit=None: [0] * below,
+        frozen=frozen, below_none=lambda fit=None: [1] * below, terms=["it"] * (3 + finds),
         held_residual=lambda: {j: np.full(4, v) for j, v in enumerate(left)},
     )  # fmt: skip
-    return SimpleNamespace(state=state)
+    return SimpleNamespace(state=state, fixed=3)
+
+
+def asked(first, second, monkeypatch, surely=False):
+    """Is the second search believed? surely: what is held is below none by its errors."""
+    value = Value(-0.084, 0.01, "N·m·s/rad", determined=not surely, beyond=surely)
+    fitted = SimpleNamespace(term_values=lambda k: {"Fv": value})
+    monkeypatch.setattr(none_at_least, "snapshot", lambda *_: fitted)
+    monkeypatch.setattr(none_at_least, "replace", lambda one, **others: (one, others))
+    begun = SimpleNamespace(state=first.state, as_given="as it came", error="by that", model=None)
+    found = or_none_at_least(begun, first, lambda: "anew", lambda one: second)
+    if found == (begun, first):
+        return False
+    assert found == (("anew", {"as_given": "as it came", "error": "by that"}), second)
+    return True
 
 
 @pytest.mark.parametrize(
@@ -63,18 +79,20 @@ def looked(left, below=True, frozen=False):
         (looked([1.0, 0.5]), looked([1.1, 0.2]), True),
         (looked([1.0, 0.5]), looked([0.99, 0.49]), False),  # no material difference
         (looked([1.0, 0.5]), looked([1.2, 0.5]), False),
+        (looked([1.0, 0.5]), looked([1.2, 0.5], finds=1), False),  # noise may have drawn it
         (looked([1.0, 0.5], below=False), None, False),  # nothing to hold: not even tried
         (looked([1.0, 0.5], frozen=True), None, False),
     ],
 )
 def test_what_is_held_out_decides(first, second, taken, monkeypatch):
-    monkeypatch.setattr(
-        "pa10d.diagnose.search.none_at_least.replace", lambda one, **others: (one, others)
-    )
-    begun = SimpleNamespace(state=first.state, as_given="as it came", error="by that")
-    other = SimpleNamespace(name="anew")
-    found = or_none_at_least(begun, first, lambda: other, lambda one: second)
-    if not taken:
-        assert found == (begun, first)
-    else:
-        assert found == ((other, {"as_given": "as it came", "error": "by that"}), second)
+    assert asked(first, second, monkeypatch) == taken
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "taken"), [(0, 1, True), (0, 0, False), (1, 1, False), (1, 2, False)]
+)
+def test_what_friction_surely_below_none_hid_is_found(before, after, taken, monkeypatch):
+    """The cogging of a motor, 72 times a turn, was drawn into a viscous friction of -0.084 N·m·s
+    by the servo that answered it, and "nothing that was looked for shows itself" was said."""
+    first, second = looked([0.0076, 0.1], finds=before), looked([0.012, 0.1], finds=after)
+    assert asked(first, second, monkeypatch, surely=True) == taken

@@ -151,7 +151,6 @@ class Diagnosis:
     thought: str = ""
     sharper: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     read_wrong: tuple[str, ...] = ()
-    left_out: tuple[str, ...] = ()
     at_none: tuple[str, ...] = ()  # terms, by their labels, that are held at none
 
     @property
@@ -212,10 +211,6 @@ class Diagnosis:
             *self.read_wrong,
             *self._apart(),
             *self._misplaced(),
-            *(
-                f"{words}. All else is told without it, and these versions have none"
-                for words in self.left_out
-            ),
             *self._at_none(),
             *self._no_estimates(),
             *self._own_runs(),
@@ -340,7 +335,7 @@ class Diagnosis:
         held = "is held" if len(self.at_none) == 1 else "are held"
         return (
             f"{listed(self.at_none)} {held} at none: a fit to these runs wants less, which no "
-            "joint has, and foretells those held out worse",
+            "joint has. Something else has drawn it, or they hardly show it",
         )
 
     def _own_runs(self) -> tuple[str, ...]:

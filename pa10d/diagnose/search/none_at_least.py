@@ -1,14 +1,16 @@
-"""A search with friction and rotor inertia of no less than none, where that foretells better.
+"""A search with friction and rotor inertia of no less than none.
 
 What short runs hardly show of a joint, a free fit gives any value, and to motion that it has not
-seen that value is an error larger than most effects: what is missing hides behind it. That nothing
-has less than none is known beforehand. But what a model lacks draws such values, too, and held at
-none they draw others; so both are searched, and what is held out decides.
+seen that value is an error larger than most effects: what is missing hides behind it. And what is
+missing draws such values: what a servo answers to cogging, say, runs against the speed that the
+cogging makes, and is fitted as friction below none. That nothing has less than none is known
+beforehand. But held at none such values draw others; so both are searched, and what is held out
+decides, or what was found where the other found nothing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +20,7 @@ from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.begun import Begun
 from pa10d.diagnose.search.harm import rms
 from pa10d.diagnose.search.steps import Search
+from pa10d.diagnose.search.versions import snapshot
 
 
 def or_none_at_least(
@@ -26,16 +29,29 @@ def or_none_at_least(
     anew: Callable[[], Begun],
     searched: Callable[[Begun], Search],
 ) -> tuple[Begun, Search]:
-    """The search, or one in which nothing has less than none, if that leaves materially less of
-    what is held out, over all joints. anew: begins so on the same runs; searched: looks in it."""
+    """The search, or one in which nothing has less than none: if that leaves materially less of
+    what is held out, over all joints, or if it alone finds something, and what is held is surely
+    below none else. anew: begins so on the same runs; searched: looks in it."""
     state = search.state
-    if state.frozen or not (state.below_none() or begun.state.below_none()):
+    below = {*begun.state.below_none(), *state.below_none()}
+    if state.frozen or not below:
         return begun, search
     other = anew()
     found = searched(other)
-    if _ratio(found.state, state) > np.log(1.0 - MATERIAL_GAIN):
+    hidden = not _finds(search) and _finds(found) and _surely_below(begun, search, below)
+    if not hidden and _ratio(found.state, state) > np.log(1.0 - MATERIAL_GAIN):
         return begun, search
     return replace(other, as_given=begun.as_given, error=begun.error), found
+
+
+def _finds(search: Search) -> bool:
+    return len(search.state.terms) > search.fixed
+
+
+def _surely_below(begun: Begun, search: Search, below: Iterable[int]) -> bool:
+    """Is one of these terms, by its own errors, no accident?"""
+    fitted = snapshot(begun.model, search.state, search.fixed, begun.as_given)
+    return any(v.beyond for k in below for v in fitted.term_values(k).values())
 
 
 def _ratio(one: SearchState, other: SearchState) -> float:
