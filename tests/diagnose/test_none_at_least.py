@@ -52,14 +52,19 @@ def test_where_nothing_is_below_none_all_is_as_it_was():
 def looked(left, below=True, frozen=False, finds=0):
     """A search that keeps ``left`` of two joints held out, and found so many effects."""
     state = SimpleNamespace(
-        frozen=frozen, below_none=lambda fit=None: [1] * below, terms=["it"] * (3 + finds),
+        frozen=frozen, model=SimpleNamespace(name="m0"), terms=["it"] * (3 + finds),
+        below_none=lambda fit=None: [1] * below,
         held_residual=lambda: {j: np.full(4, v) for j, v in enumerate(left)},
     )  # fmt: skip
     return SimpleNamespace(state=state, fixed=3)
 
 
-def asked(first, second, monkeypatch, surely=False):
-    """Is the second search believed? surely: what is held is below none by its errors."""
+def asked(first, second, monkeypatch, surely=False, keeps=2.0):
+    """Is the second search believed? surely: what is held is below none by its errors; keeps: times
+    its noise floor, joint 2."""
+    monkeypatch.setattr(none_at_least, "held_out", lambda *_: None)
+    left = SimpleNamespace(ratio=np.array([1.0, keeps]))
+    monkeypatch.setattr(none_at_least, "judged", lambda *_: left)
     value = Value(-0.084, 0.01, "N·m·s/rad", determined=not surely, beyond=surely)
     fitted = SimpleNamespace(term_values=lambda k: {"Fv": value})
     monkeypatch.setattr(none_at_least, "snapshot", lambda *_: fitted)
@@ -88,6 +93,12 @@ def test_what_is_held_out_decides(first, second, taken, monkeypatch):
     assert asked(first, second, monkeypatch) == taken
 
 
+@pytest.mark.parametrize(("keeps", "taken"), [(1.0, False), (np.nan, True), (1.5, True)])
+def test_where_nothing_is_left_to_explain_it_is_not_made(keeps, taken, monkeypatch):
+    second = looked([0.9, 0.4]) if taken else None
+    assert asked(looked([1.0, 0.5]), second, monkeypatch, keeps=keeps) == taken
+
+
 @pytest.mark.parametrize(
     ("before", "after", "taken"), [(0, 1, True), (0, 0, False), (1, 1, False), (1, 2, False)]
 )
@@ -95,4 +106,4 @@ def test_what_friction_surely_below_none_hid_is_found(before, after, taken, monk
     """The cogging of a motor, 72 times a turn, was drawn into a viscous friction of -0.084 N·m·s
     by the servo that answered it, and "nothing that was looked for shows itself" was said."""
     first, second = looked([0.0076, 0.1], finds=before), looked([0.012, 0.1], finds=after)
-    assert asked(first, second, monkeypatch, surely=True) == taken
+    assert asked(first, second, monkeypatch, surely=True, keeps=1.0) == taken

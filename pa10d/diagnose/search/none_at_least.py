@@ -15,12 +15,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from pa10d.diagnose.constants import MATERIAL_GAIN
+from pa10d.diagnose.constants import MATERIAL_GAIN, MATERIAL_REST
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.begun import Begun
 from pa10d.diagnose.search.harm import rms
 from pa10d.diagnose.search.steps import Search
-from pa10d.diagnose.search.versions import snapshot
+from pa10d.diagnose.search.versions import held_out, snapshot
+from pa10d.judgement import judged
 
 
 def or_none_at_least(
@@ -31,17 +32,27 @@ def or_none_at_least(
 ) -> tuple[Begun, Search]:
     """The search, or one in which nothing has less than none: if that leaves materially less of
     what is held out, over all joints, or if it alone finds something, and what is held is surely
-    below none else. anew: begins so on the same runs; searched: looks in it."""
+    below none else. Not made where nothing is left to explain. anew: begins so on the same runs;
+    searched: looks in it."""
     state = search.state
     below = {*begun.state.below_none(), *state.below_none()}
     if state.frozen or not below:
         return begun, search
+    hides = not _finds(search) and _surely_below(begun, search, below)
+    if not hides and _explained(search):
+        return begun, search
     other = anew()
     found = searched(other)
-    hidden = not _finds(search) and _finds(found) and _surely_below(begun, search, below)
-    if not hidden and _ratio(found.state, state) > np.log(1.0 - MATERIAL_GAIN):
+    if not (hides and _finds(found)) and _ratio(found.state, state) > np.log(1.0 - MATERIAL_GAIN):
         return begun, search
     return replace(other, as_given=begun.as_given, error=begun.error), found
+
+
+def _explained(search: Search) -> bool:
+    """Does every joint keep no more than noise, held out?"""
+    state = search.state
+    ratio = judged(state.model.name, held_out(state.model, state)).ratio
+    return bool(np.all(ratio <= MATERIAL_REST))  # nan: nobody knows
 
 
 def _finds(search: Search) -> bool:
