@@ -12,6 +12,7 @@ from pa10d.diagnose.evidence.stated import stated
 from pa10d.diagnose.search import none_at_least
 from pa10d.diagnose.search.none_at_least import or_none_at_least
 from pa10d.effects import Value
+from pa10d.model import Term
 
 DRIVES = VISCOUS[1] + 0.3  # N·m·s/rad: more than the joint rubs
 
@@ -59,14 +60,16 @@ def looked(left, below=True, frozen=False, finds=0):
     return SimpleNamespace(state=state, fixed=3)
 
 
-def asked(first, second, monkeypatch, surely=False, keeps=2.0):
+def asked(first, second, monkeypatch, surely=False, keeps=2.0, blunt=False):
     """Is the second search believed? surely: what is held is below none by its errors; keeps: times
-    its noise floor, joint 2."""
+    its noise floor, joint 2; blunt: its corner lies at the end of what it may be."""
     monkeypatch.setattr(none_at_least, "held_out", lambda *_: None)
     left = SimpleNamespace(ratio=np.array([1.0, keeps]))
     monkeypatch.setattr(none_at_least, "judged", lambda *_: left)
-    value = Value(-0.084, 0.01, "N·m·s/rad", determined=not surely, beyond=surely)
-    fitted = SimpleNamespace(term_values=lambda k: {"Fv": value})
+    value = Value(-0.084, 0.01, "N·m", determined=not surely, beyond=surely)
+    corner = Value(0.01, 0.001, "rad/s", determined=not blunt, beyond=blunt)
+    terms = [Term("coulomb", (j,), np.ones(1)) for j in range(3)]
+    fitted = SimpleNamespace(terms=terms, term_values=lambda k: {"Fc": value, "v0": corner})
     monkeypatch.setattr(none_at_least, "snapshot", lambda *_: fitted)
     monkeypatch.setattr(none_at_least, "replace", lambda one, **others: (one, others))
     begun = SimpleNamespace(state=first.state, as_given="as it came", error="by that", model=None)
@@ -107,3 +110,4 @@ def test_what_friction_surely_below_none_hid_is_found(before, after, taken, monk
     by the servo that answered it, and "nothing that was looked for shows itself" was said."""
     first, second = looked([0.0076, 0.1], finds=before), looked([0.012, 0.1], finds=after)
     assert asked(first, second, monkeypatch, surely=True, keeps=1.0) == taken
+    assert not asked(first, second, monkeypatch, keeps=1.0, blunt=True)

@@ -60,9 +60,15 @@ def _finds(search: Search) -> bool:
 
 
 def _surely_below(begun: Begun, search: Search, below: Iterable[int]) -> bool:
-    """Is one of these terms, by its own errors, no accident?"""
+    """Is one of these terms, by its own errors, no accident? Of its sizes alone: how sharply dry
+    friction turns round may lie at the end of what that may be, whatever its size is."""
     fitted = snapshot(begun.model, search.state, search.fixed, begun.as_given)
-    return any(v.beyond for k in below for v in fitted.term_values(k).values())
+    return any(
+        value.beyond and value.value < 0.0
+        for k in below
+        for name, value in fitted.term_values(k).items()
+        if name in {c.name for c in fitted.terms[k].effect.coefficients}
+    )
 
 
 def _ratio(one: SearchState, other: SearchState) -> float:
