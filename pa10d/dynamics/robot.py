@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-XACRO = re.compile(r"\{[^}]*\bxacro/?\}")
+XACRO = re.compile(r"\{[^}]*\bxacro/?\}|xacro:")
 """Of its elements: the address of the name space has changed over the years."""
 IS_XACRO = "{0}: a xacro file; expected the URDF that 'xacro {0} > robot.urdf' makes"
 STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])
@@ -338,7 +338,7 @@ def _from_model(
 
     def limit(values: Any) -> Array:
         found = np.asarray(values, dtype=float)[inverse]
-        return np.where((found > 0) & (found < 1e8), found, np.inf)
+        return np.where(found > 0, found, np.inf)
 
     lower = np.asarray(model.lowerPositionLimit, dtype=float)[inverse]
     upper = np.asarray(model.upperPositionLimit, dtype=float)[inverse]

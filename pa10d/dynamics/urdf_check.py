@@ -91,10 +91,8 @@ def _joint(joint: ET.Element, label: str, links: set[str]) -> Iterator[str]:
             hint = " (or type continuous)" if kind == "revolute" else ""
             yield f"{label}: found no <limit>, expected one with effort and velocity{hint}"
             return
-        for name in ("lower", "upper"):
+        for name in ("lower", "upper", "effort", "velocity"):
             yield from _number(limit, name, label)
-        for name in ("effort", "velocity"):
-            yield from _number(limit, name, label, required=True)
         lower, upper = float(limit.get("lower", "0")), float(limit.get("upper", "0"))
         if lower > upper:
             yield f"{label}: found limits {lower:g} … {upper:g}, expected the lower one first"

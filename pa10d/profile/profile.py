@@ -28,6 +28,7 @@ from pa10d.common.fieldtypes import (
     at_least,
 )
 from pa10d.common.jsonable import JsonObject
+from pa10d.common.urdf_xml import MOST_SPEED, MOST_TORQUE
 from pa10d.common.yamlfile import Location, several
 
 
@@ -36,9 +37,9 @@ class _Strict(BaseModel):
 
 
 # No arm has more, or less; what a wrong unit or a slip of the pen makes of it is refused.
-Speed = Annotated[Positive, Field(le=1e3), at_least(1e-3)]  # rad/s
+Speed = Annotated[Positive, Field(le=MOST_SPEED), at_least(1e-3)]  # rad/s
 Acceleration = Annotated[Positive, Field(le=1e5), at_least(1e-3)]  # rad/s²
-Torque = Annotated[Positive, Field(le=1e6), at_least(1e-4)]  # N·m
+Torque = Annotated[Positive, Field(le=MOST_TORQUE), at_least(1e-4)]  # N·m
 Error = Annotated[Positive, Field(le=3.2), at_least(1e-4)]  # rad: half a turn
 TorqueRate = Annotated[Positive, Field(le=1e9), at_least(1e-3)]  # N·m/s
 Counts = Annotated[Positive, Field(le=1e12), at_least(100)]

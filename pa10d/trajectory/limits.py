@@ -68,9 +68,8 @@ class MotionLimits:
         if bad.size:
             j = int(bad[0])
             raise UserError(
-                f"joint {j + 1}: position limits {self.lower[j]:.3g} … {self.upper[j]:.3g} rad "
-                f"leave no room for a margin of {position:g} rad on either side; expected a wider "
-                "range"
+                f"joint {j + 1}: position limits {self.lower[j]:.3g} … {self.upper[j]:.3g} rad (m) "
+                f"leave no room for a margin of {position:g} on either side; expected a wider range"
             )
         return replace(
             self,

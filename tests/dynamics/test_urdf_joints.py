@@ -192,3 +192,36 @@ def test_a_chain_without_end_is_refused_in_one_line():
     joints = [joint(f"j{k}", f"k{k - 1}" if k else "base", f"k{k}") for k in range(1200)]
     with pytest.raises(UserError, match="found 1200 joints, expected 500 at most"):
         robot_from_urdf(urdf(*links, *joints))
+
+
+@pytest.mark.parametrize(
+    ("written", "speed", "torque"),
+    [
+        (LIMIT, 2, 10),
+        ('<limit lower="-3" upper="3" effort="10" velocity="10000"/>', np.inf, 10),
+        ('<limit lower="-3" upper="3" effort="1e9" velocity="2"/>', 2, np.inf),
+        ('<limit lower="-3" upper="3" velocity="2"/>', 2, np.inf),
+        ('<limit lower="-3" upper="3"/>', np.inf, np.inf),
+    ],
+)
+def test_limits_that_say_nothing_are_unknown(tmp_path, written, speed, torque):
+    """Left out, or a number that stands for none: no plan may take it for a speed."""
+    file = tmp_path / "arm.urdf"
+    file.write_text(urdf(*CHAIN, *LINKS).replace(LIMIT, written))
+    robot = robot_from_urdf(file)
+    np.testing.assert_array_equal(robot.velocity, speed)
+    np.testing.assert_array_equal(robot.effort, torque)
+    drives = ", ".join(f"{{node: {k}, counts_per_rev: 1000, rated_torque: 1}}" for k in range(1, 4))
+    (tmp_path / "arm.yaml").write_text(f"urdf: arm.urdf\ndrives: [{drives}]\n")
+    for limit in axis_limits(load_profile(tmp_path / "arm.yaml")):
+        assert (limit.velocity, limit.torque, limit.lower) == (speed, torque, -3)
+    assert len(list(reduced_model(file, None).names)) == 4
+
+
+def test_a_prefix_that_nothing_declares():
+    """As simulators' parts of a file have it, and ROS's own parser takes it."""
+    camera = '<gazebo reference="l1"><sensor:camera name="eye"/></gazebo>'
+    robot = robot_from_urdf(urdf(*CHAIN, *LINKS, camera))
+    assert robot.joint_names == ("pan", "lift", "roll")
+    with pytest.raises(UserError, match="a xacro file"):
+        robot_from_urdf(urdf(*CHAIN, *LINKS, '<xacro:arm side="left"/>'))
