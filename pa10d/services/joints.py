@@ -315,9 +315,10 @@ def firmed(profile: Profile, robot: Robot, known: KnownJoints, fault: Fault) -> 
         figures, again = heavier, learnt(profile, robot, heavier)
         if np.isfinite(again.sensitivity[axis]):
             share = firmness(again.gains, axis) / firmness(gains, axis)
+    force = pressed(profile, robot, known, axis)
     note = (
-        f"joint {axis + 1} fell behind, pressed on with {gains.kp[axis] * bound[axis]:.2g} N·m "
-        f"alone: gains {share:.2g} times as firm were set, and it is tried again"
+        f"joint {axis + 1} fell behind, pressed on with {force:.2g} N·m alone: gains {share:.2g} "
+        "times as firm were set, and it is tried again"
     )
     return Calmer(again.leaning(known.lean), note)
 
@@ -331,10 +332,11 @@ def weighed(
     if axis is None or not len(seen.q) or not met_nothing(profile, robot, known, fault):
         return None
     felt = felt_on_the_way(robot, seen, known.figures)
-    pressed = float(known.gains.kp[axis] * arm_limits(profile, robot).following_error[axis])
     more = float(weighed_more(robot, seen.q, felt, known.figures)[axis])
     again, _ = begun(profile, robot, felt)
-    if more < EXPLAINS * pressed or not np.isfinite(again.sensitivity[axis]):
+    if more < EXPLAINS * pressed(profile, robot, known, axis) or not np.isfinite(
+        again.sensitivity[axis]
+    ):
         return None
     note = (
         f"joint {axis + 1} fell behind: on its way up to {more:.2g} N·m more or less than its URDF "
@@ -375,6 +377,12 @@ def met_nothing(profile: Profile, robot: Robot, known: KnownJoints, fault: Fault
     bound = float(arm_limits(profile, robot).following_error[fault.axis])
     pressed = robot, known.figures, known.gains, bound, fault.axis
     return fault.was_there or lightly_pressed(*pressed)
+
+
+def pressed(profile: Profile, robot: Robot, known: KnownJoints, axis: int) -> float:
+    """N·m (N) with which a servo pushes a joint that is as far behind as it may be."""
+    bound = float(arm_limits(profile, robot).following_error[axis])
+    return float(min(known.gains.kp[axis] * bound, robot.effort[axis]))
 
 
 def firmness(gains: PidGains, axis: int) -> float:

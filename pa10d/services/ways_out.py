@@ -13,7 +13,6 @@ from pa10d.control.faults import Fault
 from pa10d.control.gains import after_swing, with_rotor
 from pa10d.control.joint_figures import JointFigures, inertias
 from pa10d.control.known_joints import KnownJoints
-from pa10d.control.limits import arm_limits
 from pa10d.control.servo_design import SENSITIVITY
 from pa10d.dynamics import Robot
 from pa10d.profile import Profile
@@ -27,6 +26,7 @@ from pa10d.services.joints import (
     learnt,
     met_nothing,
     most_rate,
+    pressed,
 )
 from pa10d.services.robots import load_robot
 
@@ -50,11 +50,15 @@ def ways_out(profile: Profile, robot: Robot, known: KnownJoints, fault: Fault) -
 
 def _of_a_fall(profile: Profile, robot: Robot, known: KnownJoints, fault: Fault, axis: int) -> str:
     if not met_nothing(profile, robot, known, fault):
-        bound = arm_limits(profile, robot).following_error
-        pressed = f"{known.gains.kp[axis] * bound[axis]:.2g} N·m"
-        pressed = of_a_slide(pressed) if robot.prismatic[axis] else pressed
+        force = pressed(profile, robot, known, axis)
+        said = of_a_slide(f"{force:.3g} N·m") if robot.prismatic[axis] else f"{force:.3g} N·m"
+        if force >= robot.effort[axis]:
+            return (
+                f"all that it may give, the {said} of limits.torque, did not bring it there: "
+                f"raise that if its motor is stronger, {HELD}, or {MASSES}"
+            )
         return (
-            f"its servo pressed on with {pressed}, more than friction that nobody knows of may "
+            f"its servo pressed on with {said}, more than friction that nobody knows of may "
             f"hold: {HELD}, or {MASSES}"
         )
     rest = f"{MASSES}, give first_motion a pose in which this joint hangs, or {HELD}"

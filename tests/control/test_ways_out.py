@@ -10,6 +10,7 @@ from arm_bench import ArmBench
 
 from pa10d.control.faults import Fault
 from pa10d.control.joint_figures import first_figures
+from pa10d.control.limits import arm_limits
 from pa10d.control.servo_design import SENSITIVITY
 from pa10d.services.joints import calmed, firmed, learnt
 from pa10d.services.ways_out import ways_out
@@ -73,6 +74,20 @@ def test_a_joint_that_was_pressed_hard_may_be_held_and_gains_are_no_matter(arm):
     assert "firm" not in said
     assert "control.rate" not in said
     assert "a brake or a collision" in said
+
+
+def test_no_more_is_said_to_have_pressed_than_the_joint_may_give(arm):
+    """A limit that was set too low: 22 N·m were told of a joint that may give 1."""
+    profile, robot, known = arm
+    effort = robot.effort.copy()
+    hard = replace(known, gains=replace(known.gains, kp=known.gains.kp * 100.0))
+    pressed = float(hard.gains.kp[AXIS] * arm_limits(profile, robot).following_error[AXIS])
+    effort[AXIS] = 0.5 * pressed
+    said = ways_out(profile, replace(robot, effort=effort), hard, fell(was_there=False))
+    assert said.startswith(f"all that it may give, the {effort[AXIS]:.3g} N·m of limits.torque, ")
+    effort[AXIS] = 1.1 * pressed
+    said = ways_out(profile, replace(robot, effort=effort), hard, fell(was_there=False))
+    assert said.startswith(f"its servo pressed on with {pressed:.3g} N·m, ")
 
 
 def test_what_was_tried_in_vain_is_said_as_that(arm):

@@ -137,6 +137,14 @@ def test_bodies_that_cannot_exist_are_doubted(folder):
     assert any("placeholder" in d for d in _doubts(place))
 
 
+def test_links_that_are_all_alike_are_doubted(folder):
+    chain = robot(*((name, "revolute", FULL) for name in "abcd"))
+    assert any("4 links in a row have the same mass, 3 kg" in d for d in _doubts(folder(chain)))
+    for k in range(4):
+        chain = chain.replace('izz="0.01"', f'izz="0.010{k}"', 1)
+    assert not any("the same mass" in d for d in _doubts(folder(chain)))
+
+
 def _doubts(place):
     return facts_of(place / "robot.urdf").doubts
 

@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 TRIES = 2000  # poses among which one is looked for that meets nothing
 POSES = 200  # drawn at random, to see how heavy the arm is
 IN_DEGREES = 50.0  # rad either way, eight turns: more than any joint with a limit has
+ALIKE = 3  # links in a row: two of a pair may be built alike
 TRIANGLE = 1e-6  # share by which rounded digits may break the triangle of principal moments
 
 
@@ -159,6 +160,7 @@ def _doubts(robot: Robot) -> Iterator[str]:
     carried = robot.carries() @ mass
     for j in np.flatnonzero(carried <= 0):
         yield f"joint {j + 1} ({robot.joint_names[j]}) carries no mass in the URDF"
+    yield from _all_alike(robot)
     for j in np.flatnonzero(mass > 0):
         named = f"link behind joint {j + 1} ({robot.joint_names[j]})"
         own = _about_centre(robot.parameters[j])
@@ -168,6 +170,27 @@ def _doubts(robot: Robot) -> Iterator[str]:
         elif moments[0] < 0 or moments[2] > (1 + TRIANGLE) * (moments[0] + moments[1]):
             shown = ", ".join(f"{m:.3g}" for m in moments)
             yield f"{named}: no body has the principal moments {shown} kg·m²"
+
+
+def _all_alike(robot: Robot) -> Iterator[str]:
+    """Links of one arm differ: where one carries another that is its like, and that a third,
+    somebody filled in a form. Legs are each other's like."""
+    heavy = robot.parameters[:, 0] > 0
+    bodies = np.zeros((robot.n, 4))
+    for j in np.flatnonzero(heavy):
+        own = robot.parameters[j]
+        bodies[j] = own[0], *np.linalg.eigvalsh(_about_centre(own))
+    row = np.zeros(robot.n, dtype=int)
+    for j in robot.order:
+        above = robot.parent[j]
+        like = above >= 0 and np.allclose(bodies[j], bodies[above], rtol=1e-6, atol=0.0)
+        row[j] = heavy[j] * (1 + (row[above] if like else 0))
+    if row.max() >= ALIKE:
+        yield (
+            f"{row.max()} links in a row have the same mass, {bodies[row.argmax(), 0]:g} kg, and "
+            "the same inertia, which look like placeholders: what the arm weighs, and every limit "
+            "assumed from that, may be far off"
+        )
 
 
 def _about_centre(parameters: Array) -> Array:
