@@ -13,11 +13,12 @@ import numpy as np
 
 from backends.by_hand import Torque, pacer
 from backends.faults import REMEDIES
-from backends.protocol import Backend, BackendFault, Feedback
+from backends.protocol import Backend, BackendFault, Feedback, RelievesMotors
 
 PATIENCE = 60.0  # s on the backend's own clock for what was begun to be done
 HELD = 50  # cycles
 LIVES = 2  # a device is opened more than once
+RELIEVED = ("begin_enable", "begin_relieve")  # and enabled from there, where that is offered
 STEPS = ("begin_enable", "quick_stop", "begin_disable", "begin_reset")
 
 
@@ -59,7 +60,8 @@ def _life(arm: Backend, hold: Torque) -> Iterator[str]:
     if not all(isinstance(line, str) for line in arm.warnings):
         yield f"warnings are {arm.warnings!r}; expected a list of sentences"
     cycles = _Cycles(arm, hold)
-    for step in STEPS:
+    relieved = RELIEVED if isinstance(arm, RelievesMotors) else ()
+    for step in (*relieved, *STEPS):
         with cycles.counted(step):
             getattr(arm, step)()
         if step == "begin_reset":

@@ -163,6 +163,15 @@ class ShowsBrakes(Protocol):
 
 
 @runtime_checkable
+class RelievesMotors(Protocol):
+    """A backend that can leave the load to the brakes, and have power at hand meanwhile."""
+
+    def begin_relieve(self) -> None:
+        """As ``begin_disable``, but the axes stay as near to power as they can be without any
+        torque: ``begin_enable`` gives it again at once, ``begin_disable`` takes what is left."""
+
+
+@runtime_checkable
 class CutsPower(Protocol):
     """A backend whose axes can each be left to their brakes alone."""
 

@@ -154,6 +154,9 @@ class CanopenBackend:
     def begin_disable(self) -> None:
         self._begin(sequence.Disable(self))
 
+    def begin_relieve(self) -> None:
+        self._begin(sequence.Relieve(self))
+
     def begin_reset(self) -> None:
         self._powered, self._sequence = False, None
         self._cut.clear()

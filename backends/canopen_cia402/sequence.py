@@ -268,6 +268,20 @@ class Disable(Sequence):
         return [Control.DISABLE_VOLTAGE if w is None else w for w in words]
 
 
+class Relieve(Disable):
+    """As ``Disable``, but a drive that was enabled stays SWITCHED ON: its brake has the load, and
+    its torque is one step away."""
+
+    def reached(self, states: States) -> list[bool]:
+        off = super().reached(states)
+        return [r or s is DriveState.SWITCHED_ON for r, s in zip(off, states, strict=True)]
+
+    def words(self, feedback: Feedback, states: States) -> list[Control]:
+        words = super().words(feedback, states)
+        ready = [s is DriveState.SWITCHED_ON for s in states]
+        return [Control.SWITCH_ON if r else w for r, w in zip(ready, words, strict=True)]
+
+
 class Standing:
     """Which axes have not moved for a while."""
 

@@ -39,9 +39,9 @@ class Client(Connection):
         back inside, slowly."""
         return self._ask("POST", "/api/v1/robot/enable", json={"recover": recover})
 
-    def disable(self) -> JsonObject:
-        """Rest, brakes on, power off."""
-        return self._ask("POST", "/api/v1/robot/disable")
+    def disable(self, anyway: bool = False) -> JsonObject:
+        """Rest, brakes on, power off. anyway: also where a brake does not hold the arm."""
+        return self._ask("POST", "/api/v1/robot/disable", json={"anyway": anyway})
 
     def stop(self, wait: float = 5.0) -> JsonObject:
         """Rest; waited for at most ``wait`` seconds."""

@@ -22,11 +22,13 @@ from backends.protocol import (
     CoastsUntilTrusted,
     CutsPower,
     OpensOneByOne,
+    RelievesMotors,
     ShowsBrakes,
     ShowsRamps,
 )
 from pa10d.common.errors import UserError
 from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
+from pa10d.control.brake_proof import BrakeProof, Unheld, why_still_powered
 from pa10d.control.carried import carried, share_of
 from pa10d.control.faults import (
     IF_WRONG_WAY,
@@ -108,6 +110,10 @@ class Arm:
         self._by_drives: DrivesStop | None = None  # of axes that take no torque of ours
         self._slipping: Slipping | None = None  # behind brakes that have just closed
         self._slips = False  # as this fault is latched a brake does not hold
+        self._proof: BrakeProof | None = None  # of brakes that have the load, power being at hand
+        self._anyway = False  # it was asked to go whether brakes hold or not
+        self._taken_back = False  # the load, from brakes that did not hold it: drives come back
+        self.unheld: list[Unheld] = []  # joints for which power stayed when it was to go last
         self._open_since = 0.0  # s, when the last brake opened
         self._held_at: Array | None = None  # where the arm was held when its brakes closed
         self._held_by: tuple[Array, Array] | None = None  # the same, and the torque that held it
@@ -183,6 +189,7 @@ class Arm:
         if (why := why_not_powered(found, recover)) is not None:
             raise Refused("enable", self.state, (ArmState.INACTIVE,), why)
         self._admit("enable", self.path.controller)
+        self.unheld = []
         self._doubt(self.path.q)
         self._weighs_anew = self._unknown_at(self.path.q)
         thought = self._holding_torque(self.path.q)
@@ -219,14 +226,20 @@ class Arm:
             return self._weighs_anew
         return self._held_by is None or bool(np.abs(q - self._held_by[0]).max() > NEAR)
 
-    def disable(self) -> None:
-        """Rest first, then brakes on and power off."""
+    def disable(self, anyway: bool = False) -> None:
+        """Rest first, then brakes on and, once these are seen to hold the arm, power off; where one
+        does not, the arm is held again and ``unheld`` says so. anyway: whether they hold or not."""
+        self._anyway = anyway
+        if self.state == ArmState.ENABLING and self._taken_back and not anyway:
+            return
         if self.state in (ArmState.ENABLING, ArmState.HOLDING):
-            self._power_off()
+            self._power_off(prove=self.state == ArmState.HOLDING)
         elif self.state == ArmState.RUNNING:
             self._begin_stop(ArmState.INACTIVE)
         elif self._stop is not None and self._stop.after == ArmState.HOLDING:
             self._stop.after = ArmState.INACTIVE
+        elif self._proof is not None and anyway:
+            self._end_proof()
 
     def stop(self, why: str = "") -> None:
         """For everyone, always: from any motion to rest along the limits, then held. why: where
@@ -234,7 +247,7 @@ class Arm:
         if self.state == ArmState.RUNNING:
             self.journal.stopped(why)
             self._begin_stop(ArmState.HOLDING)
-        elif self.state == ArmState.ENABLING:
+        elif self.state == ArmState.ENABLING and not self._taken_back:
             self._power_off()
 
     def reset(self) -> None:
@@ -369,12 +382,13 @@ class Arm:
             self._watch_drives(self._by_drives)
         if self._slipping is not None:
             self._watch_brakes(self._slipping)
-        if self.state == ArmState.ENABLING:
+        if self.state == ArmState.ENABLING and not self._taken_back:
             backend = self.backend
             closed = backend.in_brakes if isinstance(backend, ShowsBrakes) else None
             self.path.watch_standing(closed)
         elif self.state in POWERED:
             closing = self.state == ArmState.DISABLING and not self.right_way.known.all()
+            closing &= self._proof is None or not self._proof.begun  # no torque drives it then
             self.path.watch(stopping_for_fault=self.fault is not None, standing=closing)
         if self.state in POWERED:
             asked("write", self.backend.write, self.path.torque(self.state))
@@ -394,9 +408,17 @@ class Arm:
                 self._give_up()
             return
         under_way = asked("switching", lambda: self.backend.switching)
+        if self._proof is not None:
+            self._prove(self._proof, relieved=not under_way)
+            if self._proof is None:
+                return
         if under_way and self.state in SWITCHING and overdue:
             raise LoopFault("switching", f"the drives have not switched within {PATIENCE:g} s")
-        if self.state == ArmState.ENABLING:
+        if self.state == ArmState.ENABLING and self._taken_back:
+            if not under_way:
+                self._taken_back = False
+                self._hold()
+        elif self.state == ArmState.ENABLING:
             if isinstance(self.backend, OpensOneByOne):
                 self._try_alone(self.backend, under_way)
             if under_way:
@@ -410,7 +432,7 @@ class Arm:
             if share == 1.0 and calm:
                 self._weighs_anew = False
                 self._hold()
-        elif under_way:
+        elif under_way or self._proof is not None:
             return
         elif self.state == ArmState.RESETTING:
             if self._rest > 0.0:
@@ -475,7 +497,7 @@ class Arm:
         if stop.after == ArmState.HOLDING:
             self._hold()
         else:
-            self._power_off()
+            self._power_off(prove=stop.after == ArmState.INACTIVE)
 
     def _watch_drives(self, stop: DrivesStop) -> None:
         """Which axes their own drives brake, all of them or those that take no torque any more, and
@@ -545,6 +567,9 @@ class Arm:
             self.path.live[fault.dead_axis] = False
         if fault.drive_goes_on:
             self._by_drives = DrivesStop(self.path, self.backend.period)
+        self._taken_back = False
+        if self._proof is not None:
+            self._end_proof()
         if self.state == ArmState.DISABLING:
             self._brake_on(fault)
             self._coast_unless_known(fault.axis if fault.kind in LEFT_ITS_PLACE else None)
@@ -668,15 +693,47 @@ class Arm:
         self._rest_unpowered()
         self.maybe_powered, self._asked_off = True, False
 
-    def _power_off(self) -> None:
-        """Brakes on, power off: the end of every stop but one that is held."""
+    def _power_off(self, prove: bool = False) -> None:
+        """Brakes on, power off: the end of every stop but one that is held. prove: the brakes
+        first, but where there is no time for that, or somebody has said that it does not matter.
+        """
         if self.state == ArmState.HOLDING:
             self._held_at = self.path.reference.q.copy()
         if self.state in (ArmState.HOLDING, ArmState.STOPPING) and not self.path.limp:
             self._keep_what_holds(self.path.rested_with(self._thought()))
-        self.motion, self._stop = None, None
+        self.motion, self._stop, self._taken_back, self.unheld = None, None, False, []
         self._switch(ArmState.DISABLING)
+        in_time = prove and self.fault is None and not self._anyway
+        if in_time and self._shows_what_holds(self.backend) and not self.path.limp:
+            self._proof = BrakeProof(self.path.limits)
         self._ask_off()
+
+    @staticmethod
+    def _shows_what_holds(backend: Backend) -> bool:
+        return isinstance(backend, RelievesMotors) and isinstance(backend, ShowsBrakes)
+
+    def _prove(self, proof: BrakeProof, relieved: bool) -> None:
+        """The brakes have the load: do they hold it?"""
+        path, backend = self.path, self.backend
+        assert isinstance(backend, ShowsBrakes)
+        closed = backend.in_brakes
+        found = proof.see(path.time, path.q, path.dq, path.age, closed)
+        if found:
+            self._take_back(found)
+        elif proof.stands(path.time, relieved, closed):
+            self._end_proof()
+
+    def _end_proof(self) -> None:
+        """Power goes now."""
+        self._proof, self._asked_off = None, False
+
+    def _take_back(self, found: list[Unheld]) -> None:
+        """The motors hold the arm again, where they did: their servo has never ceased."""
+        self._proof, self._taken_back, self._together = None, True, True
+        self.unheld = found
+        log.warning("%s", why_still_powered(found))
+        self._switch(ArmState.ENABLING)
+        asked("begin_enable", self.backend.begin_enable)
 
     def _keep_what_holds(self, torque: Array) -> None:
         """(n,) N·m with which joints are held again. Of a stop after a fault none that no weight
@@ -739,8 +796,12 @@ class Arm:
         self.state = ArmState.FAULT if self.fault else ArmState.INACTIVE
 
     def _ask_off(self) -> None:
+        backend = self.backend
         try:
-            asked("begin_disable", self.backend.begin_disable)
+            if self._proof is not None and isinstance(backend, RelievesMotors):
+                asked("begin_relieve", backend.begin_relieve)
+            else:
+                asked("begin_disable", backend.begin_disable)
             self._asked_off = True
         except Exception as error:
             self._asked_off = False  # in the next cycle again

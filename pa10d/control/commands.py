@@ -20,6 +20,7 @@ from pa10d.control.messages import (
     Connect,
     Do,
     FollowRows,
+    PowerDown,
     PowerUp,
     UseGains,
     UseLaw,
@@ -75,6 +76,8 @@ class Commands:
                 return {"drives": [{"joint": k + 1, **d.document()} for k, d in enumerate(found)]}
             case PowerUp():
                 self._arm.enable(recover=command.recover)
+            case PowerDown():
+                self._arm.disable(anyway=command.anyway)
             case Connect():
                 self._take_weights(command.bodies)
                 n = self._arm.backend.n

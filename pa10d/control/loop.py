@@ -136,7 +136,7 @@ class Loop:
         elif self._arm.backend.realtime and time.monotonic() - self._heard > SILENCE:
             self._orphaned(f"no word from the daemon for {SILENCE:g} s")
         if self._ending:
-            self._arm.disable()
+            self._arm.disable(anyway=True)  # nobody is there to hold it any longer
 
     def _orphaned(self, why: str) -> None:
         if not self._ending:
@@ -149,7 +149,8 @@ class Loop:
             tuple(one.axis for one in arm.whereabouts.misplaced),
             arm.right_way.doubted,
         )
-        state = (arm.state, arm.fault, arm.path.controller, self._signals, doubted)
+        unheld = tuple(arm.unheld)
+        state = (arm.state, arm.fault, arm.path.controller, self._signals, doubted, unheld)
         if state != self._told:
             self._told = state
             self._unsettled = self._settle
@@ -168,6 +169,7 @@ def describe(arm: Arm, signals: int = 0) -> ArmTold:
         model=None if model is None else model.name,
         warnings=tuple(_warnings(arm)),
         misplaced=tuple(arm.whereabouts.misplaced),
+        unheld=tuple(arm.unheld),
         doubted=tuple(axis + 1 for axis in arm.right_way.doubted),
         sequence=arm.journal.count,
         signals=signals,

@@ -14,7 +14,7 @@ from pa10d.control.laws import Law
 from pa10d.control.live_model import LiveModel
 from pa10d.control.mailbox import DESCRIPTORS
 
-Switch = Literal["disconnect", "disable", "stop", "reset", "confirm"]
+Switch = Literal["disconnect", "stop", "reset", "confirm"]
 
 Weights = tuple[tuple[float, ...], tuple[float, ...]]  # of each joint, N·m, least and most
 
@@ -63,6 +63,13 @@ class PowerUp:
 
 
 @dataclass(frozen=True)
+class PowerDown:
+    """anyway: also where brakes do not hold the arm."""
+
+    anyway: bool
+
+
+@dataclass(frozen=True)
 class Connect:
     """stood: where each joint stood at rest, as the daemon has kept it; bodies: (n, 10) standard
     parameters as they were felt, which tell what the arm weighs; None: not known; measured: its
@@ -82,7 +89,7 @@ class Do:
     what: Switch
 
 
-Command = FollowRows | UseLaw | UseGains | AskErrors | PowerUp | Connect | Do
+Command = FollowRows | UseLaw | UseGains | AskErrors | PowerUp | PowerDown | Connect | Do
 
 
 def read_command(message: Mapping[str, Any]) -> Command:
@@ -108,6 +115,8 @@ def read_command(message: Mapping[str, Any]) -> Command:
             return Connect(kept, _bodies(message), bool(message.get("measured")), doubted)
         case "enable":
             return PowerUp(bool(message.get("recover")))
+        case "disable":
+            return PowerDown(bool(message.get("anyway")))
         case what if what in SWITCHES:
             return Do(what)
         case what:

@@ -30,7 +30,7 @@ def standing():
         backend=SimpleNamespace(period=PERIOD, realtime=False, warnings=()),
         journal=SimpleNamespace(timing=lambda *_: None, count=0),
         whereabouts=SimpleNamespace(misplaced=[]), right_way=SimpleNamespace(doubted=()),
-        disable=lambda: None, disconnect=lambda: None, emergency=lambda *_: None,
+        disable=lambda anyway: None, unheld=[], disconnect=lambda: None, emergency=lambda *_: None,
     )  # fmt: skip
 
     def cycle():

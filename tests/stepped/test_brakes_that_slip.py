@@ -75,14 +75,14 @@ def test_links_are_not_waited_for_while_a_brake_slips(make_world):
     assert lasted[0] < 0.5
 
 
-def test_switched_off_by_somebody_it_is_a_fault_of_its_own(make_world):
+def test_switched_off_by_somebody_who_insists_it_is_a_fault_of_its_own(make_world):
     world = make_world(home=[0.0, 0.9, 0.9])
 
     def story():
         yield from held(world)
         need = abs(float(world.arm._weight(world.drives.mechanics.q)[AT]))
         world.drives.mechanics._brake_limit[AT] = WEAK * need
-        world.say("disable")
+        world.say("disable", anyway=True)
         yield world.is_in("fault")
 
     world.run(story())

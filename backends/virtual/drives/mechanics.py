@@ -49,7 +49,8 @@ class Actuation:
 class Mechanics:
     """Steps a plant of INTERFACES' protocol under the drives' actuation. ``motors``: (n,) signs
     with which they act, -1 where two phases are exchanged: then what a drive does against its speed
-    makes it faster, and its brake alone brakes. A plant may say them."""
+    makes it faster, and its brake alone brakes. ``brakes``: (n,) N·m that each brake holds at
+    most. A plant may say both."""
 
     def __init__(
         self,
@@ -66,7 +67,8 @@ class Mechanics:
         firm = np.where(False if slides is None else slides, 1.0 / RADIAN, 1.0)
         self._pulls = STIFFNESS * firm  # of its largest torque, per rad
         self._stiffness, self._damping = self._pulls * strength, DAMPING * firm * strength
-        self._brake_limit = BRAKE_STRENGTH * strength
+        brakes = getattr(plant, "brakes", BRAKE_STRENGTH * strength)
+        self._brake_limit = np.array(np.broadcast_to(brakes, n), float)
         spans = np.ones(n)
         if count is not None:
             jumps = DAMPING * firm * count / INNER_STEP

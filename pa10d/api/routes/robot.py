@@ -11,6 +11,7 @@ from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.models import find_model
 from pa10d.api.schemas.arm import (
     ControllerRequest,
+    DisableRequest,
     DriveMemories,
     EnableRequest,
     Lease,
@@ -53,10 +54,17 @@ async def enable(
 
 
 @router.post("/disable", responses=COMMAND)
-async def disable(daemon: TheDaemon, _client: Commander) -> RobotState:
-    """Bring the arm to rest, brakes on, power off. No job that runs powers it again."""
+async def disable(
+    daemon: TheDaemon, _client: Commander, request: DisableRequest | None = None
+) -> RobotState:
+    """Bring the arm to rest, brakes on, power off. No job that runs powers it again.
+
+    For 0.3 s the brakes have the load and power is at hand: where one does not hold it, the motors
+    take it back within a few hundredths of a radian, the arm stays held, and the answer says which
+    (``unheld``). With ``anyway`` power goes whether they hold or not.
+    """
     daemon.robot.stops.ask()
-    await daemon.robot.disable()
+    await daemon.robot.disable(anyway=request is not None and request.anyway)
     return describe(daemon)
 
 

@@ -82,6 +82,25 @@ class EnableRequest(Strict):
     )
 
 
+class Unheld(BaseModel):
+    """A joint that its brake did not hold as the arm was left to its brakes."""
+
+    joint: Joint
+    gone: float = Field(description="rad (m), in its closed brake, until its motor held it again")
+    unit: str = Field(examples=["rad"])
+    sentence: str
+
+
+class DisableRequest(Strict):
+    """How power is taken from the arm."""
+
+    anyway: bool = Field(
+        False,
+        description="Also where a brake does not hold the arm: it sinks. Without it power stays "
+        "there, and that is said",
+    )
+
+
 class Lease(BaseModel):
     """Who commands the arm."""
 
@@ -114,6 +133,9 @@ class RobotState(BaseModel):
     outside: list[Outside] = Field(description="Joints outside their position limits")
     misplaced: list[Misplaced] = Field(
         description="Joints that are not powered before somebody has looked (confirm)"
+    )
+    unheld: list[Unheld] = Field(
+        description="Joints that their brakes did not hold as power was to go, so that it stayed"
     )
     lease: Lease
 

@@ -22,6 +22,7 @@ from pa10d.control.laws import Law
 from pa10d.control.states import ArmState
 from pa10d.daemon.jobs.jobs import Progress, part
 from pa10d.daemon.motions.numbers import NUMBERS, SHIFTED, STOPPED
+from pa10d.daemon.motions.power_off import leave_unpowered
 from pa10d.daemon.motions.way_back import bring_inside
 from pa10d.daemon.robot.readiness import readiness
 from pa10d.daemon.robot.refusals import CommandRefused
@@ -459,8 +460,7 @@ class Experiment:
             robot.stop()
             await robot.until("holding", "inactive", "fault", "offline", timeout=STOPPED)
         if power_off and robot.moving:  # one that still stops powers off once it rests
-            with contextlib.suppress(CommandRefused):
-                await robot.disable()
+            await leave_unpowered(robot, self.result.notes)
 
     def _why(self) -> str:
         fault = self._robot.fault

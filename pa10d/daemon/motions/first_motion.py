@@ -18,6 +18,7 @@ from pa10d.control.gains import PidGains
 from pa10d.control.known_joints import KnownJoints, MeasuredJoints
 from pa10d.daemon.jobs.jobs import Progress, part
 from pa10d.daemon.motions.experiment import Experiment
+from pa10d.daemon.motions.power_off import leave_unpowered
 from pa10d.daemon.robot.refusals import CommandRefused
 from pa10d.experiments.measured_joints import lowered
 from pa10d.experiments.outcome import Outcome
@@ -66,8 +67,7 @@ class FirstMotion:
             raise
         finally:
             if was_unpowered and self._robot.moving:
-                with contextlib.suppress(CommandRefused):
-                    await self._robot.command("disable", timeout=30.0)
+                await leave_unpowered(self._robot, self.result.notes)
 
     async def _measure(self) -> Outcome:
         at = self._robot.pose().tolist()

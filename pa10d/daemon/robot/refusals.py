@@ -52,6 +52,12 @@ def not_believed(do: str, state: str, why: str) -> Message:
     return {"state": state, "needed": [state], "detail": f"{do}: {why}", "remedy": why}
 
 
+def still_powered(state: str, why: str) -> Message:
+    """Brakes do not hold the arm; why: says what to do, too."""
+    needed = [ArmState.HOLDING.label]
+    return {"state": state, "needed": needed, "detail": f"disable: {why}", "remedy": why}
+
+
 def not_to_be_held(state: str, why: str) -> Message:
     """The profile's gains would not hold the arm; why: says what to do, too."""
     return {"state": state, "needed": [state], "detail": f"enable: {why}", "remedy": why}

@@ -20,6 +20,7 @@ from pa10d.common.disk import sharing
 from pa10d.common.errors import NotNow, UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.common.shortage import Short
+from pa10d.control.brake_proof import Unheld, why_still_powered
 from pa10d.control.faults import Fault
 from pa10d.control.gains import PidGains
 from pa10d.control.known_joints import MeasuredJoints
@@ -50,6 +51,7 @@ from pa10d.daemon.robot.refusals import (
     not_to_be_held,
     not_unpowered,
     still_in_fault,
+    still_powered,
 )
 from pa10d.daemon.robot.stood import StoodAt
 from pa10d.daemon.robot.stops import MOVES, Stops
@@ -200,6 +202,7 @@ class RobotProcess:
             "axes": axes,
             "outside": [one.document() for one in self.outside()],
             "misplaced": [one.document() for one in self.misplaced()],
+            "unheld": [one.document() for one in self.unheld()],
         }
 
     def pose(self) -> Array:
@@ -221,6 +224,10 @@ class RobotProcess:
     def misplaced(self) -> list[Misplaced]:
         """Joints that read elsewhere than they stood before their drive was set up anew."""
         return [] if self.state == "offline" else list(self._told.misplaced)
+
+    def unheld(self) -> list[Unheld]:
+        """Joints that their brakes did not hold, for which power stayed as it was to go last."""
+        return list(self._told.unheld) if self.moving else []
 
     async def until(self, *states: str, timeout: float) -> str:
         """Wait for one of the states; the state that there is when it came or time was over."""
@@ -280,10 +287,14 @@ class RobotProcess:
             await self._switch("enable", recover=recover)
         await self._take_up_law()
 
-    async def disable(self) -> None:
-        """Until the arm is unpowered, or in fault."""
-        await self.command("disable")
-        await self.until("inactive", "fault", "offline", timeout=SWITCHED + self.braking_time)
+    async def disable(self, anyway: bool = False) -> None:
+        """Until the arm is unpowered, or in fault. CommandRefused where a brake does not hold it:
+        its motors do, and power stays. anyway: also there."""
+        await self.command("disable", anyway=anyway)
+        ends = ("inactive", "holding", "fault", "offline")
+        await self.until(*ends, timeout=SWITCHED + self.braking_time)
+        if self.state == "holding" and (why := why_still_powered(self.unheld())) is not None:
+            raise CommandRefused(still_powered(self.state, why))
 
     async def _switch(self, do: str, **fields: bool) -> None:
         await self.command(do, timeout=SWITCHED, **fields)

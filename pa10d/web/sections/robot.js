@@ -15,7 +15,7 @@ import { memories } from "../parts/memories.js";
 export function mount(box) {
   const word = el("strong", { class: "state-word" }), meaning = el("p", {}), age = el("p", { class: "warn", hidden: true });
   const notes = el("details", { class: "notes" }, el("summary", {}), el("ul", {}));
-  const commands = buttons(), stray = wayBack(), beside = elsewhere();
+  const commands = buttons(), stray = wayBack(), beside = elsewhere(), weak = slipping();
   const last = el("p", { hidden: true }, el("a", { href: "#/explore/fault" }, "Look at the last seconds before the fault"));
   const axes = el("tbody", {}), heads = el("tr", {}, headings(null));
   shapeOnce().then((shape) => fill(heads, headings(shape)), () => {});
@@ -23,7 +23,7 @@ export function mount(box) {
     el("thead", {}, heads), axes)));
   fill(box, heading("robot", "Robot", { Reset: "The button is below." }),
     el("div", { class: "columns" },
-      el("div", { class: "panel" }, el("div", { class: "state-head" }, word, meaning), commands.box, stray.box, beside.box, last, controllerChoice(), notes), el("div", { class: "grow" }, table, memories())),
+      el("div", { class: "panel" }, el("div", { class: "state-head" }, word, meaning), commands.box, stray.box, beside.box, weak.box, last, controllerChoice(), notes), el("div", { class: "grow" }, table, memories())),
     el("div", { class: "beside" }, liveArm(), live()));
   watch(["robot", "condition"], () => {
     const { robot, condition } = state;
@@ -37,6 +37,7 @@ export function mount(box) {
     commands.refresh();
     stray.refresh();
     beside.refresh();
+    weak.refresh();
     last.hidden = condition.kind !== "fault";
     showAxes(axes, robot.axes);
     const lost = condition.kind === "lost";
@@ -104,6 +105,28 @@ function elsewhere() {
     refresh() {
       box.hidden = !doubted(state.robot);
       say(said, `${inPlaces(state.robot)}. An encoder lost its place, or the arm was moved while its drive was not heard: it is not powered before somebody has looked.`);
+      button.disabled = !mayCommand(client);
+    },
+  };
+}
+
+/** Brakes that did not hold the arm as power was to go: it stayed. */
+function slipping() {
+  const told = () => state.robot.unheld.map((one) => one.sentence).join("; ");
+  const said = el("p", {}), button = el("button", { type: "button", onclick: guarded("The power is still on.", async () => {
+    const go = await ask("Take the power away although the arm will sink?", `${told()}. Without power that joint goes down as far as something stops it. Is the arm supported, and nobody below it?`, "Take the power away", { danger: true });
+    if (!go) return;
+    await post("robot/disable", { anyway: true });
+    await loadRobot();
+    notice("The power is off.", { detail: "Brakes are on; one of them does not hold." });
+  }) }, "Disable anyway …");
+  const box = el("div", { class: "doubt", hidden: true }, said, button);
+  return {
+    box,
+    refresh() {
+      const { unheld, state: now } = state.robot;
+      box.hidden = !unheld.length || now !== "holding";
+      say(said, `${told()}. Its motor holds it, and power stays. Support the arm, then disable it.`);
       button.disabled = !mayCommand(client);
     },
   };
