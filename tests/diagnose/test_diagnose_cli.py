@@ -8,6 +8,7 @@ import re
 
 import numpy as np
 import pytest
+from importing import imported
 from two_links import CUTOFF, NAMES, SECONDS, URDF, recordings
 
 from pa10d.cli import main
@@ -23,34 +24,13 @@ def spring(t, q, dq, ddq):
 @pytest.fixture(scope="module")
 def data(tmp_path_factory):
     """A data folder with four runs of the arm with the spring, two without, and a model."""
-    folder = tmp_path_factory.mktemp("spring")
-    (folder / "two.urdf").write_text(URDF)
-    profile = folder / "two.yaml"
-    profile.write_text("urdf: two.urdf\n")
-    store = str(folder / "data")
     clean = {f"clean_{k}": run for k, run in recordings(4).items()}
-    for name, run in {**recordings(3, spring), **clean}.items():
-        file = folder / f"{name}.csv"
-        columns = np.column_stack([run.t, run.q, run.tau])
-        np.savetxt(file, columns, "%.9g", ",", header="time,q1,q2,tau1,tau2", comments="")
-        assert main(["--data", store, "run", "import", str(file), "--profile", str(profile)]) == 0
+    folder = tmp_path_factory.mktemp("spring")
+    store, profile = imported(folder, {**recordings(3, spring), **clean})
     for name, runs in (("m0", FIT), ("clean0", [f"clean_{k}" for k in FIT])):
-        command = ["identify", *runs, "--profile", str(profile), "--name", name]
+        command = ["identify", *runs, "--profile", profile, "--name", name]
         assert main(["--data", store, *command, "--cutoff", str(CUTOFF)]) == 0
     return store
-
-
-@pytest.fixture
-def run(data, capsys):
-    """Run a command with --json: (exit status, document or None, stderr)."""
-    capsys.readouterr()
-
-    def call(*arguments):
-        status = main(["--data", data, *arguments, "--json"])
-        said = capsys.readouterr()
-        return status, json.loads(said.out) if status == 0 else None, said.err
-
-    return call
 
 
 def sides(prefix=""):

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
-from two_links import CUTOFF, NAMES, URDF, recordings
+from importing import imported
+from two_links import CUTOFF, NAMES, recordings
 
 from pa10d.cli import main
 from pa10d.cli.diagnose import in_words
@@ -24,32 +23,10 @@ def product(t, q, dq, ddq):
 @pytest.fixture(scope="module")
 def data(tmp_path_factory):
     """Four runs of an arm that hides what is in no library, and its textbook model."""
-    folder = tmp_path_factory.mktemp("smooth")
-    (folder / "two.urdf").write_text(URDF)
-    profile = folder / "two.yaml"
-    profile.write_text("urdf: two.urdf\n")
-    store = str(folder / "data")
-    for name, run in recordings(0, product).items():
-        file = folder / f"{name}.csv"
-        columns = np.column_stack([run.t, run.q, run.tau])
-        np.savetxt(file, columns, "%.9g", ",", header="time,q1,q2,tau1,tau2", comments="")
-        assert main(["--data", store, "run", "import", str(file), "--profile", str(profile)]) == 0
-    command = ["identify", *FIT, "--profile", str(profile), "--name", "m0"]
+    store, profile = imported(tmp_path_factory.mktemp("smooth"), recordings(0, product))
+    command = ["identify", *FIT, "--profile", profile, "--name", "m0"]
     assert main(["--data", store, *command, "--cutoff", str(CUTOFF)]) == 0
     return store
-
-
-@pytest.fixture
-def run(data, capsys):
-    """Run a command with --json: (exit status, document or None, stderr)."""
-    capsys.readouterr()
-
-    def call(*arguments):
-        status = main(["--data", data, *arguments, "--json"])
-        said = capsys.readouterr()
-        return status, json.loads(said.out) if status == 0 else None, said.err
-
-    return call
 
 
 @pytest.fixture(scope="module")

@@ -4,21 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_formats import JOINTS, URDF
+from test_formats import JOINTS
 
 from pa10d.common.errors import UserError
 from pa10d.readers import Part, read_recording, read_table
-from pa10d.services.robots import load_robot
 
 SAMPLES = 300
 T = np.arange(SAMPLES) / 200.0
 Q = np.stack([0.4 * np.sin(3 * T), 0.3 * np.cos(2 * T)], axis=1)
-
-
-@pytest.fixture
-def robot(tmp_path):
-    (tmp_path / "robot.urdf").write_text(URDF)
-    return load_robot(tmp_path / "robot.urdf")
 
 
 def bag(folder, **topics):

@@ -10,13 +10,12 @@ import numpy as np
 import pyarrow as pa
 import pytest
 from pyarrow import parquet
-from test_formats import JOINTS, URDF
+from test_formats import JOINTS
 
 import pa10d
 from pa10d.cli import main
 from pa10d.common.errors import UserError
 from pa10d.readers import Part, episodes_of, read_recording, read_table
-from pa10d.services.robots import load_robot
 from pa10d.store import RunStore
 
 FPS = 50
@@ -71,12 +70,6 @@ def data_set(folder, fps=FPS, total=4, change=lambda made: made):
         out.parent.mkdir(parents=True, exist_ok=True)
         parquet.write_table(joined(parts), out)
     return path
-
-
-@pytest.fixture
-def robot(tmp_path):
-    (tmp_path / "robot.urdf").write_text(URDF)
-    return load_robot(tmp_path / "robot.urdf")
 
 
 def test_the_longest_episode_is_taken_and_said(tmp_path, robot):

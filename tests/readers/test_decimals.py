@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_formats import URDF
 
 from pa10d.common.errors import UserError
 from pa10d.readers import decimals, read_recording
-from pa10d.services.robots import load_robot
 
 N = 300
 T = np.arange(N) / 200.0
@@ -16,12 +14,6 @@ Q = np.stack([0.8 * np.sin(3 * T), 0.6 * np.cos(2 * T)], axis=1)
 MILLI = np.rint(5000.0 * np.sin(3 * T)[:, None] * [1.0, 0.4] + 300 * Q).astype(int)
 NAMES = ["time", "q1", "q2", "tau1", "tau2"]
 MAPPING = ["tau{n}[mNm]=tau"]
-
-
-@pytest.fixture
-def robot(tmp_path):
-    (tmp_path / "robot.urdf").write_text(URDF)
-    return load_robot(tmp_path / "robot.urdf")
 
 
 def german(text):

@@ -19,7 +19,6 @@ from pa10d.common.errors import UserError
 from pa10d.dynamics import robot_from_urdf
 from pa10d.profile import Can, Drive, Profile
 from pa10d.readers import read_recording
-from pa10d.services.robots import load_robot
 
 URDF = """<robot name="two"><link name="base"/>
 <joint name="shoulder" type="revolute"><parent link="base"/><child link="l1"/><axis xyz="0 1 0"/>
@@ -45,12 +44,6 @@ def motion():
     dq = np.gradient(q, 1 / RATE, axis=0)
     tau = 5.0 * np.sin(3 * t)[:, None] * [1.0, 0.4]
     return t, q, dq, tau
-
-
-@pytest.fixture
-def robot(tmp_path):
-    (tmp_path / "robot.urdf").write_text(URDF)
-    return load_robot(tmp_path / "robot.urdf")
 
 
 def columns(t, q, dq, tau):

@@ -8,22 +8,14 @@ import zipfile
 
 import numpy as np
 import pytest
-from scipy.io import savemat
-from test_formats import JOINTS, URDF
-from test_hasty_files import DQ, EPOCH, FLAT, NS, TAU, N, Q, T, mapped, text
+from short_recording import DQ, EPOCH, FLAT, NS, TAU, N, Q, T, comes_in_right, matlab, text
+from test_formats import JOINTS
 
 from pa10d.common.errors import UserError
 from pa10d.readers import read_recording
-from pa10d.services.robots import load_robot
 from pa10d.store.column_guess import guess
 
 SECOND = 10**9
-
-
-@pytest.fixture
-def robot(tmp_path):
-    (tmp_path / "robot.urdf").write_text(URDF)
-    return load_robot(tmp_path / "robot.urdf")
 
 
 def frame(*rows):
@@ -80,14 +72,6 @@ def numpy(**blocks):
     return write
 
 
-def matlab(**content):
-    def write(folder):
-        savemat(folder / "run.mat", content)
-        return folder / "run.mat"
-
-    return write
-
-
 DEGREES = [np.degrees(Q[:, 0]), np.degrees(Q[:, 1]), TAU[:, 0], TAU[:, 1]]
 NAMED = ["name_0", "name_1", "position_0", "position_1", "effort_0", "effort_1"]
 WHOLE = {
@@ -125,16 +109,7 @@ WHOLE = {
 
 @pytest.mark.parametrize("kind", WHOLE)
 def test_right_by_itself_or_by_the_line_of_its_refusal(tmp_path, robot, kind):
-    path = WHOLE[kind](tmp_path)
-    try:
-        found = read_recording(path, *robot)
-    except UserError as error:
-        found = read_recording(path, *robot, mapped(str(error)))
-    np.testing.assert_allclose(found.samples.q, Q, atol=1e-6)
-    np.testing.assert_allclose(found.samples.tau, TAU, atol=1e-5)
-    np.testing.assert_allclose(np.diff(found.timing.grid), 0.005, atol=1e-6)
-    if found.samples.dq is not None:
-        np.testing.assert_allclose(found.samples.dq, DQ, atol=1e-6)
+    comes_in_right(WHOLE[kind](tmp_path), robot)
 
 
 @pytest.mark.parametrize(

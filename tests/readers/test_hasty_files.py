@@ -3,66 +3,34 @@ refusal ends in, or is refused; never in other numbers."""
 
 from __future__ import annotations
 
-import re
-import shlex
-
 import numpy as np
 import pyarrow as pa
 import pytest
 from pyarrow import parquet
-from scipy.io import savemat
-from test_formats import JOINTS, URDF
+from short_recording import (
+    DQ,
+    EPOCH,
+    FLAT,
+    NS,
+    RATE,
+    TAU,
+    N,
+    Q,
+    T,
+    comes_in_right,
+    mapped,
+    matlab,
+    rows,
+    table,
+    text,
+)
+from test_formats import JOINTS
 
 from pa10d.common.errors import UserError
 from pa10d.identify import identify
 from pa10d.readers import read_recording
-from pa10d.services.robots import load_robot
 from pa10d.services.runs import findings_of, import_run
 from pa10d.store import RunStore
-
-N, RATE = 600, 200.0
-T = np.arange(N) / RATE
-Q = np.stack([0.8 * np.sin(3 * T), 0.6 * np.cos(2 * T)], axis=1)
-DQ = np.stack([2.4 * np.cos(3 * T), -1.2 * np.sin(2 * T)], axis=1)
-TAU = 5.0 * np.sin(3 * T)[:, None] * [1.0, 0.4] + 0.3 * Q
-FLAT = {"q1": Q[:, 0], "q2": Q[:, 1], "tau1": TAU[:, 0], "tau2": TAU[:, 1]}
-NS = np.rint(T * 1e9).astype(np.int64)
-EPOCH = 1_700_000_000_250_000_000
-
-
-@pytest.fixture
-def robot(tmp_path):
-    (tmp_path / "robot.urdf").write_text(URDF)
-    return load_robot(tmp_path / "robot.urdf")
-
-
-def rows(columns, sign=","):
-    return [sign.join(str(v) for v in row) for row in zip(*columns, strict=True)]
-
-
-def text(name, columns, names, above=(), below=(), sign=","):
-    def write(folder):
-        made = [*above, sign.join(names), *below, *rows(columns, sign)]
-        (folder / name).write_text("\n".join(made) + "\n")
-        return folder / name
-
-    return write
-
-
-def table(**columns):
-    def write(folder):
-        parquet.write_table(pa.table(columns), folder / "run.parquet")
-        return folder / "run.parquet"
-
-    return write
-
-
-def matlab(**content):
-    def write(folder):
-        savemat(folder / "run.mat", content)
-        return folder / "run.mat"
-
-    return write
 
 
 def echoed(folder):
@@ -249,24 +217,9 @@ WHOLE |= {
 }  # fmt: skip
 
 
-def mapped(refusal):
-    found = re.search(r"perhaps --map ([^;]+)", refusal)
-    assert found, refusal
-    return shlex.split(found[1])
-
-
 @pytest.mark.parametrize("kind", WHOLE)
 def test_right_by_itself_or_by_the_line_of_its_refusal(tmp_path, robot, kind):
-    path = WHOLE[kind](tmp_path)
-    try:
-        found = read_recording(path, *robot)
-    except UserError as error:
-        found = read_recording(path, *robot, mapped(str(error)))
-    np.testing.assert_allclose(found.samples.q, Q, atol=1e-6)
-    np.testing.assert_allclose(found.samples.tau, TAU, atol=1e-5)
-    np.testing.assert_allclose(np.diff(found.timing.grid), 0.005, atol=1e-6)
-    if found.samples.dq is not None:
-        np.testing.assert_allclose(found.samples.dq, DQ, atol=1e-6)
+    comes_in_right(WHOLE[kind](tmp_path), robot)
 
 
 def test_rows_of_others_are_counted_and_a_line_is_still_the_file_s(tmp_path, robot):

@@ -6,11 +6,10 @@ import json
 
 import numpy as np
 import pytest
-from test_formats import JOINTS, URDF
+from test_formats import JOINTS
 
 from pa10d.common.errors import UserError
 from pa10d.readers import read_recording
-from pa10d.services.robots import load_robot
 
 N = 600
 T = np.arange(N) / 200.0
@@ -18,12 +17,6 @@ Q = np.stack([0.8 * np.sin(3 * T), 0.6 * np.cos(2 * T)], axis=1)
 TAU = 5.0 * np.sin(3 * T)[:, None] * [1.0, 0.4] + 0.3 * Q
 NS = np.rint(T * 1e9).astype(np.int64) + 10**18
 STATE = "sensor_msgs/msg/JointState"
-
-
-@pytest.fixture
-def robot(tmp_path):
-    (tmp_path / "robot.urdf").write_text(URDF)
-    return load_robot(tmp_path / "robot.urdf")
 
 
 def message(store, k, head):

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_formats import JOINTS, URDF
+from test_formats import JOINTS
 
 from pa10d.common.errors import UserError
 from pa10d.readers import read_recording
-from pa10d.services.robots import load_robot
 
 N = 600
 T = np.arange(N) / 200.0
@@ -51,12 +50,6 @@ class Bag:
     def done(self):
         self.writer.close()
         return self.path
-
-
-@pytest.fixture
-def robot(tmp_path):
-    (tmp_path / "robot.urdf").write_text(URDF)
-    return load_robot(tmp_path / "robot.urdf")
 
 
 def made(folder, say):

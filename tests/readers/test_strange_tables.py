@@ -7,45 +7,15 @@ from decimal import Decimal
 import numpy as np
 import pyarrow as pa
 import pytest
-from pyarrow import parquet
 from scipy import sparse
 from scipy.io import savemat
-from test_formats import URDF, lines
+from short_recording import FLAT, NS, TAU, N, Q, T, matlab, table
+from test_formats import lines
 
 from pa10d.checks import unit_of_stamps
 from pa10d.common.errors import UserError
 from pa10d.readers import read_recording
 from pa10d.services.import_preview import preview_recording
-from pa10d.services.robots import load_robot
-
-N = 600
-T = np.arange(N) / 200.0
-Q = np.stack([0.8 * np.sin(3 * T), 0.6 * np.cos(2 * T)], axis=1)
-TAU = 5.0 * np.sin(3 * T)[:, None] * [1.0, 0.4] + 0.3 * Q
-FLAT = {"q1": Q[:, 0], "q2": Q[:, 1], "tau1": TAU[:, 0], "tau2": TAU[:, 1]}
-NS = np.rint(T * 1e9).astype(np.int64)
-
-
-@pytest.fixture
-def robot(tmp_path):
-    (tmp_path / "robot.urdf").write_text(URDF)
-    return load_robot(tmp_path / "robot.urdf")
-
-
-def table(**columns):
-    def write(folder):
-        parquet.write_table(pa.table(columns), folder / "run.parquet")
-        return folder / "run.parquet"
-
-    return write
-
-
-def matlab(**content):
-    def write(folder):
-        savemat(folder / "run.mat", content)
-        return folder / "run.mat"
-
-    return write
 
 
 def hdf5_records(folder):
