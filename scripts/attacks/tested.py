@@ -25,6 +25,7 @@ COUNTED = (
     "steps",
     "longest_cycles_outside",
 )  # what tests say that they tried
+LONGEST = 4 * 3600  # s for one test, which may be thousands of trials on a machine that is shared
 SHOWN = 160  # characters of a failure's first line
 
 
@@ -98,6 +99,7 @@ def _tested(path: str, trials: int, logs: Path, only: str = "") -> dict[str, Fig
             "-p",
             "no:cacheprovider",
             f"--junitxml={report}",
+            f"--timeout={LONGEST}",
             *(["-k", only] if only else []),
         ]
         with (logs / f"{name}-{os.getpid()}.log").open("w") as log:

@@ -36,8 +36,10 @@ def servo(n: int = 2) -> Pid:
     return Pid(PidGains(3 * w**2, w**3, 3 * w), limits(n).torque, PERIOD)
 
 
-def flywheel_arm(n: int = 2, capacity: int = 4096) -> tuple[Arm, FakeBackend]:
-    backend = FakeBackend(Flywheels(n), PERIOD)
+def flywheel_arm(
+    n: int = 2, capacity: int = 4096, drives: type[FakeBackend] = FakeBackend
+) -> tuple[Arm, FakeBackend]:
+    backend = drives(Flywheels(n), PERIOD)
     ring = Ring.create(n, capacity, PERIOD)
     arm = Arm(backend, limits(n), lambda: servo(n), lambda q: np.zeros(n), Journal(ring), rests=0.0)
     return arm, backend

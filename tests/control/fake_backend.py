@@ -121,6 +121,36 @@ class FakeBackend:
         return Feedback(self.time, self._q.copy(), tau, np.full(self.n, 0x27), self._age)
 
 
+class RelievingBackend(FakeBackend):
+    """Whose drives leave the arm to its brakes with power at hand; ``weak`` ones let it sink."""
+
+    SINKS = 0.4  # rad/s
+
+    def __init__(self, plant: Any, period: float = 0.002) -> None:
+        super().__init__(plant, period)
+        self.weak = np.zeros(self.n, dtype=bool)
+        self.relieved = False
+
+    @property
+    def in_brakes(self) -> np.ndarray:
+        return np.full(self.n, self.braked and (self.relieved or not self.powered))
+
+    def begin_relieve(self) -> None:
+        self._enter("relieve")
+        self._doing, self._left = "relieve", SWITCH
+
+    def _switch(self) -> None:
+        super()._switch()
+        if self._left == 0:
+            self.relieved = self._doing == "relieve"
+
+    def _cycle(self) -> Feedback:
+        if self.relieved and self.powered:
+            sinks = np.where(self.weak, self.SINKS * self.period, 0.0)
+            self.plant.reset(self.plant.measure()[0] + sinks)
+        return super()._cycle()
+
+
 class Flywheels:
     """n rotors with viscous friction that know nothing of each other."""
 

@@ -14,6 +14,7 @@ import hypothesis
 import numpy as np
 import pytest
 from arms import flywheel_arm, limits, servo, swing, way_in
+from fake_backend import RelievingBackend
 from how_often import how_often
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
@@ -32,7 +33,9 @@ from pa10d.control.states import POWERED, SWITCHING, ArmState, Refused
 from pa10d.control.torque_path import RUNAWAY
 
 FAULTS = st.builds(lambda axis: BackendFault("injected", axis=axis), st.sampled_from([None, 0, 1]))
-CALLS = st.sampled_from(["read", "read", "write", "enable", "disable", "reset", "quick_stop"])
+CALLS = st.sampled_from(
+    ["read", "read", "write", "enable", "disable", "relieve", "reset", "quick_stop"]
+)
 AXES = st.integers(0, 1)
 RARELY = st.sampled_from([False, False, False, True])
 NEXT = {  # what may follow in one step that is not a reset
@@ -77,7 +80,7 @@ class Commander(RuleBasedStateMachine):
 
     @initialize()
     def connect(self):
-        self.arm, self.backend = flywheel_arm(capacity=64)
+        self.arm, self.backend = flywheel_arm(capacity=64, drives=RelievingBackend)
         self.astray: list[object] = []  # torque that came where none may be
         write, step = self.backend.write, self.backend.plant.step
         self.looked, self.outside, self.longest = False, np.zeros(2, dtype=int), 0
@@ -246,9 +249,25 @@ class Commander(RuleBasedStateMachine):
             self.seen["way in"] += 1
         self.cycle(cycles)
 
-    @rule()
-    def disable(self):
+    @rule(anyway=RARELY)
+    def disable(self, anyway):
+        self.ask(self.arm.disable, anyway=anyway)
+
+    @rule(axis=AXES, weak=st.booleans())
+    def leave_it_to_its_brakes(self, axis, weak):
+        """An arm that is held: power goes where its brakes hold it, and nowhere else."""
+        self.power_up()
+        self.backend.weak[axis] = weak
+        held = self.arm.state == ArmState.HOLDING
         self.ask(self.arm.disable)
+        self.settle()
+        if held and self.arm.state == ArmState.HOLDING:
+            assert self.arm.unheld
+            assert all(self.backend.weak[one.axis] for one in self.arm.unheld)
+            self.seen["not left to a weak brake"] += 1
+        if held and self.arm.state == ArmState.INACTIVE:
+            assert not (self.backend.weak & ~self.backend.frozen).any()
+            self.seen["left to its brakes"] += 1
 
     @rule()
     def stop(self):
@@ -431,7 +450,8 @@ def missing(seen, steps):
     wanted = {"step": steps}
     for state in set(ArmState) - {ArmState.OFFLINE}:
         wanted[f"cycle {state.label}"] = steps // 40
-    for place in ("powered outside", "way in", "not believed"):
+    left = ("left to its brakes", "not left to a weak brake")
+    for place in ("powered outside", "way in", "not believed", *left):
         wanted[place] = max(3, steps // 1000)
     for command in ("enable", "disable", "stop", "reset", "run", "connect", "disconnect", "use"):
         wanted[f"done {command}"] = max(3, steps // 500)
