@@ -68,6 +68,7 @@ def shape(data: str, profile: str) -> Shape:
             for link, start, end, radius in zip(
                 bodies.link, bodies.start, bodies.end, bodies.radius, strict=True
             )
+            if np.any(start != end)  # what is asked of an end alone is part of another
         ],
         meshes=[ShapeMesh(b.link, b.place.ravel().tolist(), len(b.triangles)) for b in meshes],
         notes=list(notes),

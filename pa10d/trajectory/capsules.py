@@ -23,7 +23,7 @@ SHORT = 0.02  # m: offsets below this are no body of their own
 RADIUS_SHARE = 0.15  # of a capsule's length, where the inertia is not believable
 RADIUS_RANGE = (0.03, 0.12)  # m, of a guess by length
 THICKEST, SLENDER = 0.15, 0.75  # m, and of its length, up to which an inertia is believed
-SAME = 1e-9  # m
+SAME = 1e-4  # m: a drawing's angles are rounded, -3.141593 for half a turn
 NEAR = 0.05  # m between two capsules that bend towards each other around a short piece
 
 
@@ -32,7 +32,8 @@ class Capsules:
     """Segments fixed to links, and which of them may touch what.
 
     link (c,) the joint (0-based) each moves with, -1 for the base
-    start, end (c, 3) m in that joint's frame (base frame for -1); radius (c,) m
+    start, end (c, 3) m in that joint's frame (base frame for -1); radius (c,) m; the last ones, of
+        no length, are ends of others that must stay above the floor by themselves
     pairs (p, 2) capsules that must not meet; grounded (f,) capsules that must stay above the floor
     blocked (b, 2) capsules and boxes of the robot's environment that must not meet
     """
@@ -128,14 +129,29 @@ def capsules_of(robot: Robot) -> Capsules:
         if not _neighbours(bodies, a, b)
     ]
     around, count = robot.environment, range(len(link))
-    ground = [] if around.floor is None else [c for c in count if _moves(bodies, c)]
     blocked = [(c, k) for k in range(len(around.boxes)) for c in count if _moves(bodies, c, k)]
     return replace(
-        bodies,
+        bodies if around.floor is None else _above_the_floor(bodies),
         pairs=np.array(apart, dtype=np.int64).reshape(-1, 2),
-        grounded=np.array(ground, dtype=np.int64),
         blocked=np.array(blocked, dtype=np.int64).reshape(-1, 2),
     )
+
+
+def _above_the_floor(bodies: Capsules) -> Capsules:
+    """With those that must stay above it: of one that hangs on a joint of constant height its far
+    end, a ball. As near as that joint is to the floor it was built, and no pose would be free."""
+    far = np.flatnonzero([not _moves_about(bodies.robot, j, slice(2, 3)) for j in bodies.link])
+    spheres = np.arange(len(far)) + len(bodies.link)
+    split = replace(
+        bodies,
+        link=np.r_[bodies.link, bodies.link[far]],
+        start=np.r_[bodies.start, bodies.end[far]],
+        end=np.r_[bodies.end, bodies.end[far]],
+        radius=np.r_[bodies.radius, bodies.radius[far]],
+    )
+    whole = np.setdiff1d(np.arange(len(bodies.link)), far)
+    moving = [c for c in (*whole, *spheres) if _moves(split, c)]
+    return replace(split, grounded=np.array(moving, dtype=np.int64))
 
 
 def _tips(robot: Robot, body: int) -> list[Array]:
@@ -187,8 +203,7 @@ def _moves(bodies: Capsules, capsule: int, box: int | None = None) -> bool:
     """Whether a capsule's distance from a box (None: from the floor) depends on the pose at all:
     what the arm stands on, it always touches. One that is never out of a box counts where its own
     joint is moved about in there: that is no stand, but something in its way."""
-    robot = bodies.robot
-    q = np.random.default_rng(0).uniform(-np.pi, np.pi, (12, robot.n))
+    q = _any_poses(bodies.robot)
     if box is None:
         only = replace(bodies, grounded=np.array([capsule], dtype=np.int64))
     else:
@@ -197,16 +212,21 @@ def _moves(bodies: Capsules, capsule: int, box: int | None = None) -> bool:
     if distance.max() - distance.min() > SAME:
         return True
     never_out = box is not None and distance.max() < SAME - bodies.radius[capsule]
-    return never_out and _is_moved_about(robot, int(bodies.link[capsule]), q)
+    return never_out and _moves_about(bodies.robot, int(bodies.link[capsule]))
 
 
-def _is_moved_about(robot: Robot, link: int, q: Array) -> bool:
-    """Whether the joint of a link stands elsewhere in other poses."""
+def _any_poses(robot: Robot) -> Array:
+    return np.random.default_rng(0).uniform(-np.pi, np.pi, (12, robot.n))
+
+
+def _moves_about(robot: Robot, link: int, along: slice = slice(3)) -> bool:
+    """Whether the joint of a link stands elsewhere in other poses. along: axes of the base."""
     if link < 0:
         return False
+    q = _any_poses(robot)
     places = np.empty((*q.shape, 3))
     origins(
         q, robot.parent, robot.order, robot.rotation, robot.translation, robot.axis,
         robot.prismatic, places,
     )  # fmt: skip
-    return bool(np.ptp(places[:, link], axis=0).max() > SAME)
+    return bool(np.ptp(places[:, link, along], axis=0).max() > SAME)

@@ -13,6 +13,7 @@ from pa10d.cli.profiles import _dialogue
 from pa10d.control.limits import arm_limits
 from pa10d.services.new_profile import answers_for, facts_of
 from pa10d.services.robots import load_robot
+from pa10d.trajectory.poses import Surroundings
 
 LINK = '<link name="{0}"><inertial><origin xyz="0 0 -0.2"/><mass value="{1}"/><inertia ixx="{2}" ixy="0" ixz="0" iyy="{2}" iyz="0" izz="0.01"/></inertial></link>'  # noqa: E501
 JOINT = '<joint name="{0}" type="{1}"><parent link="{2}"/><child link="{3}"/><origin xyz="0 0 {5}"/><axis xyz="0 1 0"/>{4}</joint>'  # noqa: E501
@@ -157,6 +158,18 @@ def test_an_arm_that_lies_on_the_floor_at_zero_gets_a_home(folder):
     assert main(["profile", "new", "robot.urdf"]) == 0
     profile, arm = load_robot(place / "arm.yaml")
     assert profile.home == pytest.approx(arm.home)
+
+
+def test_an_arm_that_hangs_below_its_base_gets_no_floor(folder, capsys):
+    narrow = FULL.replace("2", "1")
+    chain = robot(*((name, "revolute", narrow) for name in "ab"))
+    place = folder(chain.replace('xyz="0 0 1.5"', 'xyz="0 0 0"'))
+    assert main(["profile", "new", "robot.urdf"]) == 0
+    assert "no floor is assumed" in capsys.readouterr().err
+    arm = load_robot(place / "arm.yaml")[1]
+    assert arm.environment.floor is None
+    around = Surroundings.of(arm)
+    assert around.allowed(around.limits.rest_pose()[None])[0]
 
 
 def test_the_dialogue_asks_again_and_takes_defaults(folder, capsys):

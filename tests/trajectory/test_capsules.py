@@ -93,6 +93,32 @@ def test_what_an_arm_stands_on_is_not_in_its_way():
     assert "'table'" in capsules.name(len(capsules.pairs))
 
 
+LOW = """<robot name="low"><link name="base"/>
+<joint name="turn" type="revolute"><parent link="base"/><child link="shoulder"/>
+<origin xyz="0 0 0.08" rpy="0 0 3.141593"/><axis xyz="0 0 1"/>
+<limit lower="-3" upper="3" effort="150" velocity="3"/></joint><link name="shoulder"/>
+<joint name="lift" type="revolute"><parent link="shoulder"/><child link="arm"/>
+<origin xyz="0 0.13 0"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="150" velocity="3"/></joint>
+<link name="arm"><inertial><mass value="8"/><origin xyz="0 0 0.21"/>
+<inertia ixx="0.2" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.02"/></inertial></link></robot>"""
+
+
+def test_a_shoulder_may_be_as_near_to_the_floor_as_it_was_built():
+    """8 cm above it with an arm 6 cm thick: no pose at all was free."""
+    robot = robot_from_urdf(LOW)
+    bodies = capsules_of(robot)
+    assert bodies.radius.max() > 0.05
+    heights = [0.02, 0.1, 0.3]  # of the middle of the arm's far end
+    lift = np.arccos((np.array(heights) - 0.08) / 0.42)
+    gaps = bodies.clearance(np.column_stack([[0.3, -1.0, 2.0], lift]))
+    low = gaps[:, len(bodies.pairs) :]
+    assert [bodies.name(len(bodies.pairs) + k) for k in range(low.shape[1])] == [
+        "link 2 and the floor"
+    ]
+    np.testing.assert_allclose(low[:, 0], np.array(heights) - bodies.radius.max(), atol=1e-9)
+
+
 def test_a_box_around_the_whole_arm_is_in_its_way():
     trap = box((3.0, 3.0, 3.0), (0.0, 0.0, 0.5))
     capsules = capsules_of(among(pa10(), trap, floor=None))

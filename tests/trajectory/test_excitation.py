@@ -228,7 +228,7 @@ def narrow(**changes):
         ({"lower": (3, -0.05), "upper": (3, 0.05)}, {}, "joint 3: may move by 0.04 rad only"),
         ({"velocity": (4, 0.001)}, {}, "joint 4: its limits of 0.0009"),
         ({"effort": (2, 1.0)}, {}, "joint 2: gravity alone asks for"),
-        ({"floor": 1.2}, {}, "link 3 and the floor come nearer than 0.03 m in 100 % of all poses"),
+        ({"floor": 1.2}, {}, "link 5 and the floor come nearer than 0.03 m in 100 % of all poses"),
         ({}, {"pose": [0, 1.5, 0, 1.5, 0, 0, 0], "joints": [5, 6]}, "and the floor come nearer"),
     ],
 )

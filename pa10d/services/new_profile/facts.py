@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.urdf_joints import carried_by, followers
 from pa10d.common.urdf_xml import urdf_root
+from pa10d.dynamics.environment import Environment
 from pa10d.dynamics.inverse import inverse_dynamics
 from pa10d.dynamics.mass import mass_matrices
 from pa10d.dynamics.robot import STANDARD_GRAVITY, Robot, robot_from_urdf
@@ -31,13 +32,15 @@ TRIANGLE = 1e-6  # share by which rounded digits may break the triangle of princ
 class ArmFacts:
     """weight: (n,) N·m (N), the most that gravity asks of each joint; inertia: (n,) kg·m² (kg), the
     most that it turns (pushes); doubts: sentences; home: (n,) rad (m) a pose to begin at, None
-    where zero (or mid-range) will do."""
+    where zero (or mid-range) will do; hangs: whether no pose keeps clear of a floor at its base.
+    """
 
     robot: Robot
     weight: Array
     inertia: Array
     doubts: list[str]
     home: Array | None
+    hangs: bool = False
 
 
 def facts_of(urdf: Path, joints: Sequence[str] | None = None) -> ArmFacts:
@@ -53,7 +56,17 @@ def facts_of(urdf: Path, joints: Sequence[str] | None = None) -> ArmFacts:
     weight = np.abs(inverse_dynamics(robot, robot.parameters, poses, still, still)).max(axis=0)
     turned = np.diagonal(mass_matrices(robot, poses), axis1=1, axis2=2).max(axis=0)
     doubts += [*_follow(urdf, robot), *_doubts(robot)]
-    return ArmFacts(robot, weight, turned, doubts, _home(robot))
+    home, hangs = _home(robot), False
+    if home is None and not _is_free(robot):
+        hung = replace(robot, environment=Environment(floor=None))
+        home = _home(hung)
+        hangs = home is not None or _is_free(hung)
+    if hangs:
+        doubts.append(
+            "no pose keeps the arm 3 cm above a floor at the height of its base: no floor is "
+            "assumed; say in 'environment' where it is"
+        )
+    return ArmFacts(robot, weight, turned, doubts, home, hangs)
 
 
 def _that_can_move(urdf: Path, robot: Robot) -> tuple[Robot, list[str]]:
@@ -117,10 +130,10 @@ def _led(root: ET.Element) -> dict[str, list[str]]:
 
 def _home(robot: Robot) -> Array | None:
     """Where zero meets the floor or a body: a pose that meets nothing, near to zero."""
+    if _is_free(robot):
+        return None
     around = Surroundings.of(robot)
     usual = around.limits.rest_pose()
-    if around.allowed(usual[None])[0]:
-        return None
     rng = np.random.default_rng(2)
     low, high = around.limits.lower, around.limits.upper
     drawn = rng.uniform(low, high, (TRIES, robot.n))
@@ -134,6 +147,12 @@ def _home(robot: Robot) -> Array | None:
         back = np.where(np.arange(robot.n) == j, usual, pose)
         pose = back if around.allowed(back[None])[0] else pose
     return np.asarray(pose)
+
+
+def _is_free(robot: Robot) -> bool:
+    """Where the arm rests if nobody says where."""
+    around = Surroundings.of(robot)
+    return bool(around.allowed(around.limits.rest_pose()[None])[0])
 
 
 def _poses(robot: Robot) -> Array:

@@ -34,7 +34,10 @@ def _lines(facts: ArmFacts, a: Answers, urdf: str) -> Iterator[str]:
     yield f"base: {{rpy: {_row(a.rpy)}}}  # rad; 0, 0, 0 stands on the floor"
     yield ""
     yield "environment:  # plans keep 3 cm from it; in the frame of the base"
-    yield "  floor: 0  # m along the base's z axis, where it is mounted; none: no floor"
+    if facts.hangs:
+        yield "  floor: none  # assumed; m along the base's z axis, such as -0.8"
+    else:
+        yield "  floor: 0  # m along the base's z axis, where it is mounted; none: no floor"
     yield "  boxes: []  # such as {name: table, size: [0.8, 1.2, 0.7], xyz: [0.9, 0, 0.35]}"
     if a.tool_mass:
         yield f"tool: {{mass: {a.tool_mass:.12g}, com: {_row(a.tool_com)}}}  # kg, m"
