@@ -119,6 +119,20 @@ def felt_on_the_way(robot: Robot, one: Seen, before: JointFigures) -> JointFigur
     return before.but(bodies=felt, link=np.clip(heavier, 1.0 / ROUGH, ROUGH))
 
 
+def rubbed_on_the_way(robot: Robot, one: Seen, axis: int, before: JointFigures) -> JointFigures:
+    """What is known of the friction of one joint (0-based) that fell behind in its strokes: as much
+    more of the viscous as they showed until then. Dry friction is known by slower motions."""
+    q, torque = one.q[:, axis], one.torque[:, axis]
+    dry, known = float(before.coulomb[axis]), float(before.viscous[axis])
+    softest = SOFTEST * robot.effort[axis] if np.isfinite(robot.effort[axis]) else 0.0
+    slid = slid_friction(q, torque, one.rate, softest, dry)
+    usual = float(inertias(robot, before).usual[axis])
+    found = friction_of(q, torque, one.rate, usual) if slid is None else slid[0]
+    viscous = before.viscous.copy()
+    viscous[axis] = max(known, FEW * found.viscous)
+    return before.but(viscous=viscous)
+
+
 def weighed_more(robot: Robot, q: Array, felt: JointFigures, before: JointFigures) -> Array:
     """(n,) N·m at most, by which bodies as they are felt now weigh other than before, in poses q
     (N, n) and beyond what was lacking in the first of them."""

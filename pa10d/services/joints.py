@@ -42,6 +42,7 @@ from pa10d.experiments.measured_joints import (
     felt_again,
     felt_on_the_way,
     measured_figures,
+    rubbed_on_the_way,
     sentences,
     weighed_more,
 )
@@ -280,13 +281,14 @@ def calmer(
     known: JsonObject,
     fault: JsonObject,
     went: Sequence[Sequence[Sequence[float]]] | None = None,
+    part: str = "friction",
 ) -> JsonObject | None:
     """What is learnt from a joint that swung, or fell behind: gains with which it does not, and a
     ``note`` of what was changed. None where gains would become too soft to hold anything, or firm
     enough to shake it.
 
     known: what was learnt before, with the gains that let it swing; went: rad and N·m (N, n) until
-    then, of a ``friction`` part and the way to its start.
+    then, and the way to its start; part: of the first motion, that it ended.
     """
     before, what = KnownJoints.from_document(known), Fault.from_document(fault)
     if what.kind == "following_error":
@@ -295,7 +297,7 @@ def calmer(
         if went is not None:
             q, torque = (np.array(values, dtype=float).reshape(-1, robot.n) for values in went)
             seen = Seen(Plan("first_motion", (), ()), own.control.rate, q, torque)
-            found = weighed(own, robot, before, what, seen)
+            found = told_on_the_way(own, robot, before, what, seen, part)
         found = found or firmed(own, robot, before, what)
     else:
         found = _calmed_after(profile, before, what)
@@ -319,6 +321,38 @@ def firmed(profile: Profile, robot: Robot, known: KnownJoints, fault: Fault) -> 
     note = (
         f"joint {axis + 1} fell behind, pressed on with {force:.2g} N·m alone: gains {share:.2g} "
         "times as firm were set, and it is tried again"
+    )
+    return Calmer(again.leaning(known.lean), note)
+
+
+def told_on_the_way(
+    profile: Profile, robot: Robot, known: KnownJoints, fault: Fault, seen: Seen, part: str
+) -> Calmer | None:
+    """See ``calmer``, of a joint that fell behind: by what this part of a first motion tells."""
+    by = weighed if part == "friction" else rubbed
+    return by(profile, robot, known, fault, seen)
+
+
+def rubbed(
+    profile: Profile, robot: Robot, known: KnownJoints, fault: Fault, seen: Seen
+) -> Calmer | None:
+    """See ``calmer``, of a joint that fell behind in its strokes because of viscous friction that
+    slower motions had not shown. None where that does not explain it."""
+    axis = fault.axis
+    if axis is None or not len(seen.q) or not met_nothing(profile, robot, known, fault):
+        return None
+    felt = rubbed_on_the_way(robot, seen, axis, known.figures)
+    more = float(felt.viscous[axis] - known.figures.viscous[axis])
+    fastest = float(np.abs(np.gradient(seen.q[:, axis], 1.0 / seen.rate)).max())
+    again, _ = begun(profile, robot, felt)
+    if more * fastest < EXPLAINS * pressed(profile, robot, known, axis) or not np.isfinite(
+        again.sensitivity[axis]
+    ):
+        return None
+    unit = "N·s/m" if robot.prismatic[axis] else "N·m·s/rad"
+    note = (
+        f"joint {axis + 1} fell behind: {felt.viscous[axis]:.2g} {unit} of viscous friction, which "
+        "slower motions had not shown, held it back; that is given to it, and it is tried again"
     )
     return Calmer(again.leaning(known.lean), note)
 

@@ -36,8 +36,8 @@ from pa10d.services.joints import (
     firmed,
     not_held,
     slowed,
+    told_on_the_way,
     torque_steps,
-    weighed,
 )
 from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.kinds.first_motion import PARTS
@@ -232,8 +232,7 @@ class ArmBench:
                 return plan, rows, fault
             tried[fault.axis] += 1
             cut = Seen(plan, self.rate, *self._ours(self.went))
-            cut = cut if part == "friction" else None
-            if tried[fault.axis] < TRIES[fault.kind] and self._calm(fault, cut):
+            if tried[fault.axis] < TRIES[fault.kind] and self._calm(fault, cut, part):
                 continue
             now = asked["parameters"].get("speed", 1.0)
             speed = slowed(self.profile, self.robot, self.known, fault, part, now)
@@ -257,12 +256,12 @@ class ArmBench:
         self.around = Surroundings.of(weighing(self.robot, self.known.felt))
         self.joints = Joints(self.known.figures, self.known.gains, ahead=True)
 
-    def _calm(self, fault, cut=None) -> bool:
+    def _calm(self, fault, cut=None, part="friction") -> bool:
         """Reset with calmer gains, if it swung. cut: what was recorded of a part that tells
         weights."""
         asked = self.profile, self.robot, self.known, fault
         if fault.kind == "following_error" and self.joints is None:
-            calmer = weighed(*asked, cut) if cut is not None else None
+            calmer = told_on_the_way(*asked, cut, part) if cut is not None else None
             calmer = calmer or firmed(*asked)
         elif fault.kind == "oscillation":
             calmer = calmed(self.profile, self.robot, self.known, fault.axis, fault.hertz)

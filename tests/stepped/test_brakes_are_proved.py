@@ -67,6 +67,35 @@ def test_a_weak_brake_is_told_and_its_joint_held(make_world, share, most):
     assert world.faults == []
 
 
+@pytest.mark.long
+def test_a_brake_that_is_ours_alone_too(make_world):
+    """By their masks nobody but we closes them: they are closed before, and opened after."""
+    world = make_world(home=[0.0, 0.9, 0.9])
+    for drive in world.drives.drives:
+        for subindex in (1, 2):
+            drive.dictionary.set(0x60FE, 1, subindex)
+        drive._take_options()
+        drive._set_for = 1.0
+
+    def story():
+        yield from held(world)
+        assert all(brake.ours for brake in (one.brake for one in world.arm.backend.reports))
+        weaken(world, 0.6)
+        begin_to_look(world)
+        world.say("disable")
+        yield world.is_in("enabling")
+        yield world.is_in("holding")
+        yield world.passes(0.3)
+        assert went(world) < MOST
+        assert not any(drive.brake_closed for drive in world.drives.drives)
+        weaken(world, 2.0)
+        world.say("disable")
+        yield world.is_in("inactive")
+
+    world.run(story())
+    assert world.faults == []
+
+
 @pytest.mark.parametrize("ends", ["insisted on", pytest.param("at once", marks=pytest.mark.long)])
 def test_who_insists_is_obeyed(make_world, ends):
     world = make_world(home=[0.0, 0.9, 0.9])

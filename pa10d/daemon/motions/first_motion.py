@@ -117,10 +117,9 @@ class FirstMotion:
                 if fault is None or fault.kind not in TRIES:
                     raise
                 tried[fault.joint] += 1
-                tells = name == "friction" and fault.kind == "following_error"
-                went = experiment.went if tells else None
+                went = experiment.went if fault.kind == "following_error" else None
                 again = tried[fault.joint] < TRIES[fault.kind]
-                calmer = await self._calmer(known, fault, went) if again else None
+                calmer = await self._calmer(known, fault, went, name) if again else None
                 if calmer is not None:
                     known = calmer
                 elif (speed := await self._slower(name, known, fault, parameters)) is not None:
@@ -140,12 +139,12 @@ class FirstMotion:
             return found.runs[0], known
 
     async def _calmer(
-        self, known: KnownJoints, fault: Fault, went: tuple[Array, Array] | None
+        self, known: KnownJoints, fault: Fault, went: tuple[Array, Array] | None, name: str
     ) -> KnownJoints | None:
         """What is known after a joint swung or fell behind; None where no gains would help. went:
-        rad and N·m (N, n), until then, of a part that can tell weights."""
+        rad and N·m (N, n), until then; name: of the part that it ended."""
         seen = None if went is None else [values.tolist() for values in went]
-        told = {"known": known.document(), "fault": fault.document(), "went": seen}
+        told = {"known": known.document(), "fault": fault.document(), "went": seen, "part": name}
         calmer = await self._ask("joints:calmer", **told)
         if calmer is None:
             return None
