@@ -150,7 +150,7 @@ def _above_the_floor(bodies: Capsules) -> Capsules:
         radius=np.r_[bodies.radius, bodies.radius[far]],
     )
     whole = np.setdiff1d(np.arange(len(bodies.link)), far)
-    moving = [c for c in (*whole, *spheres) if _moves(split, c)]
+    moving = [int(c) for c in (*whole, *spheres) if _moves(split, int(c))]
     return replace(split, grounded=np.array(moving, dtype=np.int64))
 
 
