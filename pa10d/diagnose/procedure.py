@@ -10,6 +10,7 @@ from pa10d.common.parallel import one_thread
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.outcome.doubts import with_doubts
 from pa10d.diagnose.outcome.found import finding
+from pa10d.diagnose.outcome.held import held_at_none
 from pa10d.diagnose.outcome.rest import rest_of
 from pa10d.diagnose.search.begun import Begun, begin
 from pa10d.diagnose.search.bent_laws import bent_laws
@@ -59,10 +60,9 @@ def diagnose(
         return searched(one, only, steps, lambda share, what: say(0.1 + 0.7 * share, what))
 
     search = looked(begun)
-    if only is None:
-        begun, search = or_none_at_least(
-            begun, search, lambda: begin(begun.whole, fit, validate, none_at_least=True), looked
-        )
+    begun, search = or_none_at_least(
+        begun, search, lambda: begin(begun.whole, fit, validate, none_at_least=True), looked
+    )
     no_effect = no_effects(search, begun) if only is None else not_asked(search)
     say(0.85, "looking for structure that the library does not know")
     end = finished(begun, search.state)
@@ -148,7 +148,7 @@ def _told(
         ),
         stood=stood.words,
         told=_known_before(model),
-        at_none=tuple(state.terms[index].label for index in state.at_none()),
+        at_none=held_at_none(end.versions[-1], state),
         sharper=sharpened(model, state) if frozen else {},
         passed=channel_words(state) if smoothed else "",
         thought=str(model.channel) if smoothed and model.channel else "",

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from two_links import VISCOUS, recordings, state_of, textbook
+from two_links import NAMES, VISCOUS, recordings, state_of, textbook
 
+from pa10d.diagnose import procedure
+from pa10d.diagnose.asked import one_effect
 from pa10d.diagnose.evidence.stated import stated
+from pa10d.diagnose.outcome.held import held_at_none, held_words
 from pa10d.diagnose.search import none_at_least
 from pa10d.diagnose.search.none_at_least import or_none_at_least
 from pa10d.effects import Value
@@ -40,6 +44,57 @@ def test_friction_that_a_fit_wants_below_none_is_none(driven):
     # and that it is held there makes it no better known
     errors = [np.sqrt(np.diag(stated(one, ()).covariance)) for one in (held, free)]
     assert errors[0][held.place(index)] > 0.5 * errors[1][free.place(index)] > 0.0
+
+
+def told(held):
+    """What is said of a state that holds something at none."""
+    model = replace(held.model, covariance=stated(held, ()).covariance)
+    return held_words(held_at_none(model, held))
+
+
+def test_why_it_is_held_is_said(driven):
+    """It was "something else has drawn it, or they hardly show it", and of `add` nothing."""
+    held = state_of(driven, textbook(driven), none_at_least=True)
+    assert told(held) == (
+        "viscous J2 is held at none: a fit to these runs wants surely less, which no joint has: "
+        "something else has drawn it",
+    )
+    (index,) = held.at_none()
+    beta = held.free.beta.copy()
+    beta[held.place(index)] = -1e-4  # by chance
+    held.free = replace(held.free, beta=beta)
+    assert told(held) == (
+        "viscous J2 is held at none: a fit to these runs wants less, which no joint has, but "
+        "within its doubt: these runs hardly show it",
+    )
+
+
+class LooksTwice(Exception):
+    """That it does is all that is asked."""
+
+
+def test_one_suspicion_is_asked_twice_as_well(driven, monkeypatch):
+    """It was asked with the free fit alone: other figures than those of a whole search."""
+
+    def twice(*_):
+        raise LooksTwice
+
+    monkeypatch.setattr(procedure, "or_none_at_least", twice)
+    made = [driven[name] for name in NAMES]
+    with pytest.raises(LooksTwice):
+        procedure.diagnose(textbook(driven), made[:2], made[2:], only=("torque_offset", (0,)))
+
+
+def test_who_adds_an_effect_is_told_what_is_held(driven, monkeypatch):
+    def held(begun, search, anew, searched):
+        other = anew()
+        return other, searched(other)
+
+    monkeypatch.setattr(one_effect, "or_none_at_least", held)
+    made = [driven[name] for name in NAMES]
+    model = textbook(driven)
+    _, said = one_effect.add(model, "torque_offset", (0,), made[:2], validate=made[2:], name="m1")
+    assert "viscous J2 is held at none" in " ".join(said)
 
 
 def test_where_nothing_is_below_none_all_is_as_it_was():

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from pa10d.common.errors import UserError
 from pa10d.common.parallel import one_thread
+from pa10d.diagnose.outcome.held import held_at_none, held_words
 from pa10d.diagnose.search.begun import Begun, begin
 from pa10d.diagnose.search.delivery import warnings as said
 from pa10d.diagnose.search.none_at_least import or_none_at_least
@@ -68,7 +69,7 @@ def add(
     say(1.0, "done")
     added = ", ".join(t.label for t in state.terms[given:])
     made = snapshot(model, state, len(state.terms), begun.as_given)
-    warnings += unseen(made, state, given).values()
+    warnings += [*unseen(made, state, given).values(), *held_words(held_at_none(made, state))]
     held = state.held.everywhere.runs
     (made,) = fitted_to_all(model, [made], begun.fit, held, state.none_at_least)
     warnings += said(made)

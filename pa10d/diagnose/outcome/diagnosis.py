@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pa10d.common.jsonable import JsonObject, plain
 from pa10d.common.words import joint_words, listed, percent
 from pa10d.diagnose.evidence.tails import tails
+from pa10d.diagnose.outcome.held import HeldAtNone, held_words
 from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.search.delivery import delivered, warnings
 from pa10d.diagnose.unknown.between_runs import Apart
@@ -151,7 +152,7 @@ class Diagnosis:
     thought: str = ""
     sharper: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     read_wrong: tuple[str, ...] = ()
-    at_none: tuple[str, ...] = ()  # terms, by their labels, that are held at none
+    at_none: tuple[HeldAtNone, ...] = ()  # terms that are held at none
 
     @property
     def heading(self) -> str:
@@ -211,7 +212,7 @@ class Diagnosis:
             *self.read_wrong,
             *self._apart(),
             *self._misplaced(),
-            *self._at_none(),
+            *held_words(self.at_none),
             *self._no_estimates(),
             *self._own_runs(),
             *self._smoothed(),
@@ -328,15 +329,6 @@ class Diagnosis:
             if (term.effect_id, term.joints) not in found
         ]
         return tuple(text for text in said if text)
-
-    def _at_none(self) -> tuple[str, ...]:
-        if not self.at_none:
-            return ()
-        held = "is held" if len(self.at_none) == 1 else "are held"
-        return (
-            f"{listed(self.at_none)} {held} at none: a fit to these runs wants less, which no "
-            "joint has. Something else has drawn it, or they hardly show it",
-        )
 
     def _own_runs(self) -> tuple[str, ...]:
         """That a change is sought in runs from before it, where it is."""
