@@ -7,16 +7,20 @@ from functools import cache
 
 import numpy as np
 import pytest
+import scipy
 from test_friction_on_bristles import LAG, WAY, carried, damped
-from two_links import COULOMB, V0, recordings, state_of
+from two_links import COULOMB, RATE, V0, recordings, state_of, textbook_torque
 
+from pa10d.diagnose.outcome.found import _of_kinds
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.corners import as_unsure, turned
 from pa10d.diagnose.search.harm import rms
-from pa10d.diagnose.search.rivals import of_another_kind
+from pa10d.diagnose.search.refitting import settled
+from pa10d.diagnose.search.rivals import kinds_untold, of_another_kind
 from pa10d.diagnose.search.steps import Search
 from pa10d.effects import effect
 from pa10d.effects.base import smooth_sign
+from pa10d.measurement.signals import delayed
 from pa10d.model import Term
 
 
@@ -100,3 +104,49 @@ def test_nor_is_one_that_leaves_more_than_noise():
     assert as_unsure(off, (0,), 2.0 * left, 0.5 * left) is None
     assert as_unsure(off, (0,), left, None) is None
     assert as_unsure(off, (0,), left, np.full(2, np.nan)) is None
+
+
+def late(seconds, smoothed):
+    """Joint 1's torque behind a low-pass of first order, or as much later as a whole."""
+    pole = np.exp(-1.0 / RATE / seconds)
+
+    def extra(t, q, dq, ddq):
+        torque = textbook_torque(q, dq, ddq)[:, :1]
+        passed = scipy.signal.lfilter([1 - pole], [1, -pole], torque, axis=0, zi=pole * torque[:1])
+        moved = passed[0] if smoothed else delayed(torque, seconds, RATE)
+        return np.column_stack([moved - torque, 0 * t])
+
+    return extra
+
+
+@cache
+def told_late(seconds, smoothed, noise) -> SearchState:
+    """A torque that is late as a whole is what was found, and settled."""
+    state = state_of(recordings(6, late(seconds, smoothed), noise))
+    state.push(Term("torque_delay", (0,), np.array([seconds]), {}))
+    return settled(state, len(state.terms) - 1, rounds=1)
+
+
+@pytest.mark.parametrize("smoothed", [True, False])
+def test_whether_torque_is_late_or_smoothed_the_data_tell(smoothed):
+    """A lag of 11 Hz was told as a delay of 13.5 ms, at 1.0 times the floor."""
+    state = told_late(0.02, smoothed, 0.02)
+    index = len(state.terms) - 1
+    found = of_another_kind(state, index, index)
+    assert (found is not None) == smoothed
+    if found is not None:
+        assert found.terms[index].shape["smoothed"] == 1.0
+        assert kinds_untold(found, index, index) == []
+    else:
+        assert kinds_untold(state, index, index) == []
+
+
+def test_and_where_they_do_not_both_are_named():
+    state = told_late(0.004, True, 0.05)
+    index = len(state.terms) - 1
+    assert of_another_kind(state, index, index) is None
+    (other,) = kinds_untold(state, index, index)
+    assert _of_kinds(state.terms[index], [other]) == (
+        " Whether it is late as a whole or behind a low-pass of first order, this data does not "
+        "tell."
+    )

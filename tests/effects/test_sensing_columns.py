@@ -74,6 +74,25 @@ def test_delay_against_a_torque_known_at_all_times(delay):
     assert theta == pytest.approx(delay, rel=0.01)
 
 
+@pytest.mark.parametrize("late", [0.004, 0.0151, 0.05])
+def test_a_smoothed_torque_against_a_low_pass_known_at_all_times(late):
+    context = arm_context(seed=23)
+    lines = [(30, 5, 0.0), (8, 21, 1.0), (3, 40, 0.5 * np.pi)]
+
+    def at(t, late):
+        turned = [(a / np.hypot(1, w * late), w, p - np.arctan(w * late)) for a, w, p in lines]
+        return sum(a * np.sin(w * t + p) for a, w, p in turned)
+
+    total = context.total.copy()
+    total[:, J] = at(context.t, 0.0)
+    change = at(context.t, late) - total[:, J]
+    seen = replace(context, total=total)
+    column = columns("torque_delay", seen, J, smoothed=1.0, at=late)[:, 0]
+    inner = slice(400, -400)  # the ends are continued by guess
+    assert rms((late * column - change)[inner]) < 0.01 * rms(change[inner])
+    assert effect("torque_delay").relinearised([late], {"smoothed": 1.0})["smoothed"]
+
+
 def test_a_small_delay_is_the_slope():
     context = arm_context(seed=24)
     slope = np.gradient(context.total[:, J], DT)

@@ -16,6 +16,7 @@ from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate
 from pa10d.diagnose.search.harm import rms
 from pa10d.diagnose.search.judging import JudgedCandidate
+from pa10d.diagnose.search.rivals import kinds_untold
 from pa10d.diagnose.search.simpler import simpler_inside
 from pa10d.diagnose.search.steps import Search
 from pa10d.effects import Value
@@ -26,6 +27,7 @@ Array = NDArray[np.float64]
 NOT_ONE = (
     " Not one of its numbers is determined: that something acts like it is all that this data says."
 )
+KIND = " Whether it is {one} or {other}, this data does not tell."
 NOT_BEYOND = "it lies inside, and what this effect has beyond it is zero by its own errors"
 
 
@@ -79,9 +81,21 @@ def finding(search: Search, given: int, index: int, versions: Sequence[TorqueMod
             (_without(state, index, judged.evidence.before), judged.evidence.after),
         )
         + (none and f" But {none}.")
-        + (NOT_ONE if not_one(term, parameters) else ""),
+        + (NOT_ONE if not_one(term, parameters) else "")
+        + _of_kinds(term, kinds_untold(state, index, search.fixed)),
         certain=judged.certain,
     )
+
+
+def _of_kinds(term: Term, others: Sequence[Term]) -> str:
+    """What choices mean that this data cannot tell from those that were made; nothing where they
+    have no words."""
+    said = ""
+    for other in others:
+        for choice in (s for s in term.effect.shapes if s.says):
+            one, two = (choice.says.get(t.shape.get(choice.name, 0.0)) for t in (term, other))
+            said += KIND.format(one=one, other=two) if one and two and one != two else ""
+    return said
 
 
 def _without(state: SearchState, index: int, before: Array) -> Array:
