@@ -6,6 +6,7 @@ import pytest
 from loops import run_apart
 
 from pa10d.daemon.motions.experiment import Experiment
+from pa10d.experiments.outcome import Outcome
 
 
 class SlowRobot:
@@ -25,10 +26,13 @@ class SlowRobot:
     async def disable(self):
         self.told.append("disable")
 
+    def unheld(self):
+        return []
+
 
 @pytest.mark.parametrize(("power_off", "told"), [(True, ["stop", "disable"]), (False, ["stop"])])
 def test_a_stop_that_takes_long_still_ends_unpowered(power_off, told):
     experiment = Experiment.__new__(Experiment)
-    experiment._robot = SlowRobot()
+    experiment._robot, experiment.result = SlowRobot(), Outcome("tracking")
     run_apart(experiment._come_to_rest(power_off))
     assert experiment._robot.told == told
