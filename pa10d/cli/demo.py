@@ -85,6 +85,7 @@ def in_words(told: Told, report: Path, seconds: float) -> str:
             "",
             f"Error in {units_of(judged)} on runs that the fit has not seen:",
             table(["joint", "RMS before", "RMS after", "noise floor"], rows),
+            *judged.get("left", []),
             "",
             f"{seconds:.0f} s. Report: {report}",
             f"Another arm: pa10d demo. This one again: pa10d demo --seed {told.seed}",

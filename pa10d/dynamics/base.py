@@ -79,13 +79,13 @@ def base_parameters(robot: Robot, samples: int = 300, seed: int = 1) -> BasePara
     return reduce_columns(regressor(robot, q, dq, ddq).reshape(-1, 10 * robot.n))
 
 
-def reduce_columns(matrix: Array, tolerance: float = 1e-5) -> BaseParameters:
+def reduce_columns(matrix: Array, tolerance: float = 1e-4) -> BaseParameters:
     """Base of a matrix (rows, 10n): greedy from the right-hand link, column-scaled.
 
     A column is kept where, of its unit norm, more than ``tolerance`` lies outside the span of
     the columns kept before. On exact regressors the two groups are ~10 decades apart; a URDF
-    that rounds π to six digits fills the gap with pivots near 1e-6 that no measurement could
-    use, hence the tolerance.
+    that rounds a right angle to 1.5708 fills the gap with pivots up to 3e-5 that no measurement
+    could use, hence the tolerance.
     """
     if matrix.shape[0] > matrix.shape[1]:  # lengths and angles of columns are those of the factor
         matrix = np.asarray(np.linalg.qr(matrix, mode="r"))

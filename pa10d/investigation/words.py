@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pa10d.common.jsonable import JsonObject
 from pa10d.common.words import listed, percent, rounded, times
 from pa10d.compare.comparison import RunScores
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.outcome.settling import NextExperiment
+from pa10d.dynamics import Robot
 from pa10d.effects import Value, all_effects
 from pa10d.identify.summary import FitSummary
 from pa10d.investigation.results import LastWord, NamedEffect, StoredAs
 from pa10d.report.verdict import answer, finding_words, more_or_less, place_words
 from pa10d.trajectory.kinds import KINDS
+
+Array = NDArray[np.float64]
 
 RISE = 0.1  # of the squared error that is worth a word
 
@@ -73,6 +77,22 @@ def _sized(name: str, size: Value) -> str:
     return f"{name} = {rounded(size.value, 3)}{error}{size.unit_after}{size.meaning}"
 
 
+def left_words(
+    left: Mapping[int, float], ratio: Array, pooled: RunScores, robot: Robot
+) -> list[str]:
+    """Of joints (0-based, and what each keeps) where that lies: more may show on fresh motion than
+    on what a search has judged by. ratio: (n,) times the noise."""
+    said = []
+    for j, error in left.items():
+        text = (
+            f"Joint {j + 1} keeps {rounded(error, 3)} {robot.torque_unit(j)} there, "
+            f"{times(ratio[j])} its noise floor."
+        )
+        where = [place.sentence for place in pooled.where if place.joint == j]
+        said.append(f"{text} {where[0].removesuffix('.')}." if where else text)
+    return said
+
+
 def identified_words(found: FitSummary) -> str:
     """What the textbook fit is like."""
     condition = found.condition_number
@@ -112,7 +132,8 @@ def fall_words(judged: LastWord) -> str:
     there = judged_where(listed(judged.run_names), judged.cutoff_hz, judged.mask)
     where = f"on runs that {judged.seen} ({there})"
     if len(judged.models) == 1:
-        return f"{judged.models[0]} is judged {where}; nothing was added to it."
+        text = f"{judged.models[0]} is judged {where}; nothing was added to it."
+        return " ".join([text, *judged.left])
     fall = (before**2 - after**2) / np.maximum(before**2, 1e-300)
     best, worst = int(np.argmax(fall)), int(np.argmin(fall))
 
@@ -126,4 +147,4 @@ def fall_words(judged: LastWord) -> str:
     )
     if fall[worst] < -RISE:
         text += f" That of joint {worst + 1} rises {sizes(worst)}."
-    return text
+    return " ".join([text, *judged.left])

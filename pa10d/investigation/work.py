@@ -9,12 +9,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import parsed, plain
 from pa10d.common.words import listed
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.outcome.words import in_json
 from pa10d.diagnose.search.delivery import delivered
+from pa10d.dynamics import Robot
 from pa10d.identify.summary import summary
 from pa10d.investigation.archive import SHEET, Archive
 from pa10d.investigation.doubts import write_doubts
@@ -27,7 +30,9 @@ from pa10d.investigation.words import (
     found_words,
     identified_words,
     judged_where,
+    left_words,
 )
+from pa10d.judgement import Judgement
 from pa10d.services.diagnoses import diagnose_runs
 from pa10d.services.history import history
 from pa10d.services.library import Library, open_library
@@ -41,6 +46,7 @@ from pa10d.store.models import new_info
 
 Progress = Callable[[float, str], None]
 VERSIONS = "versions"
+MUCH = 2.0  # times its noise: what a joint keeps is said
 
 
 def compute(data: str, investigation: str, step: str, progress: Progress) -> StepOutcome:
@@ -142,8 +148,20 @@ def _judge(
         mask=last.mask,
         units=[robot.torque_unit(j) for j in range(robot.n)],
         run_names=[library.runs.find(run).name for run in runs],
+        left=_left(library, state, runs, last, robot),
     )
     return StepOutcome(result=plain(word), said=fall_words(word))
+
+
+def _left(
+    library: Library, state: Investigation, runs: list[str], last: Judgement, robot: Robot
+) -> list[str]:
+    ratio = last.rms / last.floor.values
+    much = np.flatnonzero(ratio > MUCH)
+    if not much.size:
+        return []
+    found = compare_runs(library, state.versions[-1], runs, force=state.force)
+    return left_words({int(j): last.rms[j] for j in much}, ratio, found.comparison.pooled, robot)
 
 
 def _report(

@@ -13,7 +13,13 @@ from pa10d.diagnose.unknown.claims import Unnamed
 from pa10d.effects import Value
 from pa10d.investigation import course
 from pa10d.investigation.results import LastWord
-from pa10d.investigation.words import compared_words, fall_words, found_words, units_of
+from pa10d.investigation.words import (
+    compared_words,
+    fall_words,
+    found_words,
+    left_words,
+    units_of,
+)
 from pa10d.judgement import NoiseFloor
 from pa10d.model import Term
 
@@ -33,6 +39,21 @@ def test_an_error_that_falls_has_the_unit_of_its_joint():
     old = fall_words(replace(JUDGED, run_names=[]))
     assert "no fit has seen (low-pass 10 Hz, all)." in old
     assert "to 0.25 N·m on" in fall_words(replace(JUDGED, units=[])), "kept without them"
+
+
+def test_what_a_joint_keeps_on_fresh_motion_is_said_with_its_place():
+    """Ten times its noise stood in a table without a word."""
+    where = (SimpleNamespace(joint=1, sentence="Joint 2 below 0.01 rad/s carries 89 %"),)
+    robot = SimpleNamespace(torque_unit=lambda j: ("N", "N·m")[j])
+    pooled = SimpleNamespace(where=where)
+    said = left_words({0: 0.25, 1: 0.4}, np.array([2.5, 4.0]), pooled, robot)
+    assert said == [
+        "Joint 1 keeps 0.25 N there, 2.5 times its noise floor.",
+        "Joint 2 keeps 0.4 N·m there, 4.0 times its noise floor. "
+        "Joint 2 below 0.01 rad/s carries 89 %.",
+    ]
+    assert fall_words(replace(JUDGED, left=said)).endswith(" ".join(said))
+    assert fall_words(replace(JUDGED, models=["a"], left=said)).endswith(" ".join(said))
 
 
 def found(*terms, parameters, **more):

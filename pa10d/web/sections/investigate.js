@@ -182,7 +182,7 @@ function result(found) {
   const judged = found.judged;
   return el("div", { class: "result" }, el("p", { class: `verdict ${found.verdict}` }, search.said),
     judged ? [el("p", {}, `RMS error on runs that ${judged.seen} (${[judged.run_names?.join(", "), `low-pass ${number(judged.cutoff_hz)} Hz, ${judged.mask}`].filter(Boolean).join("; ")}), with ${judged.models.join(" and ")}:`),
-      judgedTable(judged)] : null,
+      judgedTable(judged), (judged.left ?? []).map((one) => el("p", {}, one))] : null,
     found.doubts.map((doubt) => el("p", {}, doubt.says, " ", doubt.problem ?? "",
       links(found, doubt))));
 }
