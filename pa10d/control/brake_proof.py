@@ -1,6 +1,7 @@
 """Before power goes: do the brakes hold the arm? Its motors leave it to them, and stand by.
 
-A joint that gives way meanwhile, and goes on, is held by its motor again before it has fallen.
+A joint that gives way meanwhile, and goes on, is held by its motor again before it has fallen. One
+that bears nearly all that its motor can may swing beyond what its brake gives by, and slows there.
 Which way does not matter: springs may outweigh gravity, and nobody is to move an arm in its brakes.
 """
 
@@ -22,7 +23,9 @@ Array = NDArray[np.float64]
 
 TAKES = 0.3  # s that brakes have the load before power goes: one that gives a tenth less than it
 # must has let a shoulder of the PA10 go by GIVE by then
-LASTS = 2  # cycles, so that one bad reading powers nothing
+GOES_ON, LASTS = 0.02, 2  # s and cycles for which it is not slowing: a swing of 4 Hz loses a third
+SLOWING = 0.9  # of its speed since then, and less
+ROUNDING = 1e-9  # s
 WAYS_OUT = (
     "its motor holds it, and power stays. Support the arm, then ask for 'disable' again; to take "
     "the power away although it will sink, ask for 'anyway'"
@@ -71,7 +74,8 @@ class BrakeProof:
         self._slow, self._fastest = REST_SPEED * limits.velocity, limits.velocity
         self._slides = limits.slides
         self._at, self._last = np.full(n, np.nan), np.full(n, np.nan)  # rad
-        self._beyond = np.zeros(n, dtype=np.int64)
+        self._beyond = np.zeros(n, dtype=np.int64)  # cycles
+        self._beyond_since, self._top = np.zeros(n), np.zeros(n)  # s, rad/s
         self._seen = 0.0  # s
         self._since: float | None = None  # s, when the last of them had its load
 
@@ -102,10 +106,14 @@ class BrakeProof:
         self._last, self._seen = q.copy(), now
         lost = jumps | (age != 0) | ~closed
         self._at = np.where(lost, np.nan, np.where(np.isnan(self._at), q, self._at))
-        gone = np.nan_to_num(np.abs(q - self._at))
-        goes = (gone > GIVE) & (np.abs(dq) > self._slow)  # one that has come to rest is held
+        gone, speed = np.nan_to_num(q - self._at), np.abs(dq)
+        goes = (np.abs(gone) > GIVE) & (gone * dq > 0.0) & (speed > self._slow)
+        goes &= speed >= SLOWING * np.where(self._beyond > 0, self._top, 0.0)
+        self._top = np.where(self._beyond > 0, np.maximum(self._top, speed), speed)
+        self._beyond_since = np.where(self._beyond > 0, self._beyond_since, now)
         self._beyond = np.where(goes, self._beyond + 1, 0)
+        told = (self._beyond >= LASTS) & (now - self._beyond_since >= GOES_ON - ROUNDING)
         return [
-            Unheld(int(j), float(gone[j]), "m" if int(j) in self._slides else "rad")
-            for j in np.flatnonzero(self._beyond >= LASTS)
+            Unheld(int(j), float(abs(gone[j])), "m" if int(j) in self._slides else "rad")
+            for j in np.flatnonzero(told)
         ]
