@@ -18,6 +18,7 @@ ACCELERATION_PER_SPEED = 3.0  # 1/s: an unknown acceleration limit, reached from
 DYNAMIC_SHARE = 0.99  # of velocity and acceleration that a plan uses
 TORQUE_SHARE = 0.9  # of torque: friction and tracking need the rest
 POSITION_MARGIN = 0.03  # rad (m) kept from either end
+TWICE = 3.5 * np.pi  # rad of range: an upper arm of ±2π gets behind itself through the floor only
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,18 @@ class MotionLimits:
             velocity=self.velocity * dynamic,
             acceleration=self.acceleration * dynamic,
             torque=self.torque * torque,
+        )
+
+    def within_a_turn(self, turns: NDArray[np.bool_]) -> MotionLimits:
+        """Half a turn to either side of the rest pose, of joints that turn and have (nearly) every
+        pose twice: the other one weighs and turns alike, and the way there may lead through the
+        floor. turns: (n,)."""
+        wide = turns & (self.upper - self.lower > TWICE)
+        rest = self.rest_pose()
+        return replace(
+            self,
+            lower=np.where(wide, np.maximum(self.lower, rest - np.pi), self.lower),
+            upper=np.where(wide, np.minimum(self.upper, rest + np.pi), self.upper),
         )
 
     def of(self, joints: NDArray[np.int64]) -> MotionLimits:

@@ -37,6 +37,11 @@ class Surroundings:
         return cls(robot, limits_of(robot).planned())
 
     @cached_property
+    def room(self) -> MotionLimits:
+        """Where poses are chosen that nobody has asked for."""
+        return self.limits.within_a_turn(~self.robot.prismatic)
+
+    @cached_property
     def capsules(self) -> Capsules:
         """The bodies."""
         return capsules_of(self.robot)
@@ -117,7 +122,7 @@ class Surroundings:
 
     def random_pose(self, rng: np.random.Generator, share: float = 0.7, tries: int = 400) -> Array:
         """An allowed pose within a share of every range, in reach of the rest pose."""
-        mid, half = self.limits.middle, self.limits.half
+        mid, half = self.room.middle, self.room.half
         for _ in range(tries):
             pose = mid + share * half * rng.uniform(-1, 1, self.robot.n)
             if self.allowed(pose[None])[0] and self.reachable(pose):
@@ -167,7 +172,7 @@ def gravity_free_pose(
         return np.where(fine, torque, np.inf)
 
     home = limits.rest_pose()
-    drawn = rng.uniform(limits.lower, limits.upper, (tries, around.robot.n))
+    drawn = rng.uniform(around.room.lower, around.room.upper, (tries, around.robot.n))
     quarters = np.clip(np.round(drawn / (np.pi / 2)) * (np.pi / 2), limits.lower, limits.upper)
     poses = np.vstack([home, quarters, drawn])
     poses[:, joint] = home[joint]

@@ -122,6 +122,6 @@ def excitation_problem(
         boundary=per_joint("boundary", boundary), noise=per_joint("noise", noise), **weights
     )
     return ExcitationProblem(
-        robot, tuple(chosen), tuple(base.home(around)), around.limits, fundamental, harmonics,
+        robot, tuple(chosen), tuple(base.home(around)), around.room, fundamental, harmonics,
         samples, criterion,
     )  # fmt: skip

@@ -47,7 +47,8 @@ class ExcitationProblem:
     ) -> ExcitationProblem:
         """A problem with the usual margins, other joints at rest."""
         limits = limits_of(robot)
-        given: dict = {"pose": tuple(limits.rest_pose()), "limits": limits.planned(), **options}
+        room = limits.planned().within_a_turn(~robot.prismatic)
+        given: dict = {"pose": tuple(limits.rest_pose()), "limits": room, **options}
         return cls(robot, tuple(range(robot.n)) if joints is None else joints, **given)
 
     @cached_property

@@ -92,7 +92,7 @@ class Excitation(Kind):
 
     def _random(self, around: Surroundings, joints: list[int]) -> Fourier:
         problem = ExcitationProblem(
-            around.robot, tuple(joints), tuple(self.home(around)), around.limits,
+            around.robot, tuple(joints), tuple(self.home(around)), around.room,
             self.fundamental, self.harmonics,
         )  # fmt: skip
         rng = np.random.default_rng(self.seed)

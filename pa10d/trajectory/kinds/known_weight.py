@@ -70,7 +70,7 @@ class KnownWeight(Kind):
 
     def _drawn(self, around: Surroundings, home: Array, joints: list[int]) -> Array:
         """(m, n) poses that the loaded arm can hold and reach."""
-        limits = around.limits
+        limits = around.room
         rng = np.random.default_rng(self.seed)
         drawn = np.tile(home, (TRIES, 1))
         turn = rng.uniform(-1, 1, (TRIES, len(joints)))

@@ -52,7 +52,7 @@ class LoadSweep(Kind):
     def _poses(self, around: Surroundings, home: Array, j: int) -> tuple[list[Array], Array]:
         """Allowed poses whose gravity loads spread evenly from the least to the most."""
         rng = np.random.default_rng([self.seed, j])
-        mid, half = around.limits.middle, around.limits.half
+        mid, half = around.room.middle, around.room.half
         drawn = mid + 0.8 * half * rng.uniform(-1, 1, (TRIES, around.robot.n))
         drawn = np.vstack([home, drawn])
         room = np.maximum(half[j] - HALF_TRAVEL, 0.0)
