@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from backends.virtual.datasets import Figures, figures_of, random_effect
+from backends.virtual.datasets import Figures, NoPlace, figures_of, random_effect
 from backends.virtual.plant.catalogue import LISTED
 from backends.virtual.plant.laws import catalogue
 from pa10d.common.errors import UserError
@@ -107,7 +107,9 @@ def hide(asked: str | None, seed: int, profile: Profile) -> Hidden:
         return Hidden(tuple(own))
     rng = np.random.default_rng([seed, 4])
     shown = [name for name in LISTED if not all_effects()[name].escapes_demo]
-    name, _, joint = (asked or str(rng.choice(shown))).partition(":")
+    if asked is None:
+        return Hidden((_any_of(rng, shown, figures_of(profile)),))
+    name, _, joint = asked.partition(":")
     known = catalogue()
     if name not in known:
         why = (
@@ -116,7 +118,10 @@ def hide(asked: str | None, seed: int, profile: Profile) -> Hidden:
             else ("its package has no law for the simulated arm (entry point pa10d.hidden)")
         )
         raise UserError(f"--hide {asked}: {why}, expected none or one of {', '.join(known)}")
-    return Hidden((_placed(rng, name, joint, asked or name, figures_of(profile)),))
+    try:
+        return Hidden((_placed(rng, name, joint, asked, figures_of(profile)),))
+    except NoPlace as error:
+        raise UserError(f"--hide {asked}: {error}, expected another effect") from error
 
 
 def with_secret(profile: Profile, hidden: Hidden, seed: int, later: bool = True) -> Profile:
@@ -135,6 +140,17 @@ def with_secret(profile: Profile, hidden: Hidden, seed: int, later: bool = True)
         },
     }
     return profile.model_copy(update={"simulation": profile.simulation.model_copy(update=given)})
+
+
+def _any_of(rng: np.random.Generator, names: list[str], figures: Figures) -> JsonObject:
+    """One that this arm can show: springs show themselves where links are heavy beside rotors."""
+    left = list(names)
+    while True:
+        name = str(rng.choice(left))
+        try:
+            return random_effect(rng, name, figures)
+        except NoPlace:
+            left.remove(name)  # friction finds a joint on every arm
 
 
 def _placed(

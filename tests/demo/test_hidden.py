@@ -93,3 +93,25 @@ def test_what_was_hidden_is_told_in_units():
     assert Hidden((ripple,)).in_words() == told
     payload = {"effect": "payload", "mass": 1.5, "cx": 0.01}
     assert Hidden((payload,)).in_words() == "payload (mass = 1.5 kg, cx = 0.01 m)"
+
+
+def test_an_arm_of_one_light_joint_hides_what_it_can_show(tmp_path):
+    """Half of the draws were tracebacks: no second joint, no link beside a rotor of 1000 N·m."""
+    (tmp_path / "arm.urdf").write_text(
+        '<robot name="one"><link name="base"/><joint name="a" type="revolute">'
+        '<parent link="base"/><child link="l"/><axis xyz="0 1 0"/><origin xyz="0 0 0.5"/>'
+        '<limit lower="-2" upper="2" effort="1000" velocity="2"/></joint><link name="l"><inertial>'
+        '<origin xyz="0 0 0.1"/><mass value="0.2"/><inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001"'
+        ' iyz="0" izz="0.001"/></inertial></link></robot>'
+    )
+    (tmp_path / "arm.yaml").write_text(
+        "urdf: arm.urdf\nsimulation: {plant: backends.virtual.plant:build}\n"
+    )
+    profile = load_profile(tmp_path / "arm.yaml")
+    names = {hide(None, seed, profile).name for seed in range(40)}
+    two = {"coupling_friction", "coupling_inertia", "joint_elasticity", "backlash"}
+    assert len(names) > 8
+    assert not names & two
+    for name in two:
+        with pytest.raises(UserError, match=f"--hide {name}: .*, expected another effect"):
+            hide(name, 1, profile)

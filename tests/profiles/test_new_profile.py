@@ -146,6 +146,12 @@ def test_links_that_are_all_alike_are_doubted(folder):
     assert not any("the same mass" in d for d in _doubts(folder(chain)))
 
 
+def test_torque_that_nobody_has_stated_is_doubted(folder):
+    chain = robot(("a", "revolute", FULL.replace("40", "5000")), ("b", "revolute", FULL))
+    assert not any("placeholder" in d for d in _doubts(folder(chain)))
+    assert any("5000 N·m" in d for d in _doubts(folder(chain.replace('"40"', '"5000"'))))
+
+
 def _doubts(place):
     return facts_of(place / "robot.urdf").doubts
 

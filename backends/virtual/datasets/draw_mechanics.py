@@ -6,7 +6,16 @@ import math
 
 import numpy as np
 
-from backends.virtual.datasets.figures import Draw, Figures, Rng, any_joint, heavy, neighbours, sign
+from backends.virtual.datasets.figures import (
+    Draw,
+    Figures,
+    Rng,
+    another,
+    any_joint,
+    heavy,
+    neighbours,
+    sign,
+)
 from pa10d.common.jsonable import JsonObject
 
 
@@ -77,7 +86,7 @@ def _stop(rng: Rng, f: Figures) -> JsonObject:
 
 def _cable(rng: Rng, f: Figures) -> JsonObject:
     i = any_joint(rng, f)
-    j = int(rng.choice([k for k in range(f.n) if k != i]))
+    j = another(rng, f, i)
     size = rng.uniform(0.5, 1.2) * f.book.coulomb[i]
     return {"joints": [i + 1, j + 1], "amplitude": size, "phase": rng.uniform(0, 1.0)}
 
@@ -106,7 +115,7 @@ def _creep(rng: Rng, f: Figures) -> JsonObject:
 
 def _wheel(rng: Rng, f: Figures) -> JsonObject:
     i = any_joint(rng, f)
-    j = int(rng.choice([k for k in range(f.n) if k != i]))
+    j = another(rng, f, i)
     top = 0.25 * f.reach.speed[i] * f.reach.speed[j]
     return {"joints": [i + 1, j + 1], "amplitude": rng.uniform(0.5, 1.2) * f.book.coulomb[i] / top}
 

@@ -8,6 +8,7 @@ from backends.virtual.datasets.figures import (
     Draw,
     Figures,
     Rng,
+    another,
     any_joint,
     carrying,
     neighbours,
@@ -94,7 +95,7 @@ def _shared_belt(rng: Rng, f: Figures) -> JsonObject:
 
 def _bent_clamp(rng: Rng, f: Figures) -> JsonObject:
     i = any_joint(rng, f)
-    j = int(rng.choice([k for k in range(f.n) if k != i]))
+    j = another(rng, f, i)
     turns = math.pi / (1.4 * f.reach.half[j])
     size = rng.uniform(0.3, 0.6) * f.book.coulomb[i]
     return {"joints": [i + 1, j + 1], "amplitude": size, "cycles": turns}

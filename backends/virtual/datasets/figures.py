@@ -86,17 +86,35 @@ def carrying(f: Figures) -> Array:
     return np.where(f.inertia > 0.5 * f.book.rotor_inertia, f.load, 0.0)
 
 
+class NoPlace(ValueError):
+    """An effect that no joint of the arm could show, and why."""
+
+
 def heavy(f: Figures) -> NDArray[np.int64]:
     """Joints (0-based) that move enough behind their transmission for its give to matter."""
-    return np.flatnonzero(
+    found = np.flatnonzero(
         f.inertia > np.maximum(0.02 * np.max(f.inertia), 0.5 * f.book.rotor_inertia)
     )
+    if not len(found):
+        raise NoPlace("no joint of this arm moves links that are heavy beside its rotor")
+    return found
+
+
+def another(rng: Rng, f: Figures, joint: int) -> int:
+    """A joint beside the given one, 0-based."""
+    return int(rng.choice([k for k in range(_two(f)) if k != joint]))
+
+
+def _two(f: Figures) -> int:
+    if f.n < 2:
+        raise NoPlace("it takes two joints")
+    return f.n
 
 
 def neighbours(rng: Rng, f: Figures, first: int = 0) -> tuple[int, int]:
     """Two adjacent joints of like size, 0-based, from the given one on."""
     alike = [
-        i for i in range(first, f.n - 1) if 0.5 < f.book.effort[i] / f.book.effort[i + 1] < 2.0
+        i for i in range(first, _two(f) - 1) if 0.5 < f.book.effort[i] / f.book.effort[i + 1] < 2.0
     ]
     i = int(rng.choice(alike)) if alike else int(rng.integers(max(f.n - 1, 1)))
     return i, i + 1

@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 TRIES = 2000  # poses among which one is looked for that meets nothing
 POSES = 200  # drawn at random, to see how heavy the arm is
 IN_DEGREES = 50.0  # rad either way, eight turns: more than any joint with a limit has
+STRONGEST = 100.0  # times the arm's weight, of its weakest joint
 ALIKE = 3  # links in a row: two of a pair may be built alike
 TRIANGLE = 1e-6  # share by which rounded digits may break the triangle of principal moments
 
@@ -55,7 +56,7 @@ def facts_of(urdf: Path, joints: Sequence[str] | None = None) -> ArmFacts:
     still = np.zeros_like(poses)
     weight = np.abs(inverse_dynamics(robot, robot.parameters, poses, still, still)).max(axis=0)
     turned = np.diagonal(mass_matrices(robot, poses), axis1=1, axis2=2).max(axis=0)
-    doubts += [*_follow(urdf, robot), *_doubts(robot)]
+    doubts += [*_follow(urdf, robot), *_doubts(robot), *_far_too_strong(robot, weight)]
     home, hangs = _home(robot), False
     if home is None and not _is_free(robot):
         hung = replace(robot, environment=Environment(floor=None))
@@ -189,6 +190,17 @@ def _doubts(robot: Robot) -> Iterator[str]:
         elif moments[0] < 0 or moments[2] > (1 + TRIANGLE) * (moments[0] + moments[1]):
             shown = ", ".join(f"{m:.3g}" for m in moments)
             yield f"{named}: no body has the principal moments {shown} kg·m²"
+
+
+def _far_too_strong(robot: Robot, weight: Array) -> Iterator[str]:
+    """A wrist may be many times as strong as it must be; an arm whose weakest joint could lift it
+    all a hundred times over is one of which nobody has stated that."""
+    least, most = float(robot.effort.min()), float(weight.max())
+    if most > 0 and np.isfinite(least) and least > STRONGEST * most:
+        yield (
+            f"each joint may give {least:g} N·m (N) or more by the URDF, where its weight asks for "
+            f"{most:.2g} at most: a placeholder? State --torque: what is pushed with depends on it"
+        )
 
 
 def _all_alike(robot: Robot) -> Iterator[str]:
