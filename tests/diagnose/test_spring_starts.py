@@ -9,7 +9,9 @@ import pytest
 
 from pa10d.diagnose.regression.flexible import JointSpring
 from pa10d.diagnose.regression.passed import Guess
-from pa10d.diagnose.search import springs
+from pa10d.diagnose.search import springs, steps
+from pa10d.diagnose.search.steps import Search
+from pa10d.effects import effect
 
 
 @dataclass(frozen=True)
@@ -106,3 +108,17 @@ def test_two_are_followed_where_one_of_them_leaves_noise(monkeypatch):
     assert joints_followed(monkeypatch, left, GAINS, FLOOR) == ([1, 4], {1, 4})
     unknown = joints_followed(monkeypatch, left, GAINS, np.full(2, np.nan))
     assert unknown == ([1, 4], {1, 4})  # nothing says that more is left
+
+
+def test_a_spring_that_is_gone_for_good_is_not_found_again(monkeypatch):
+    """Found, without a number, gone, found: a search that never ended."""
+    offered = []
+    monkeypatch.setattr(steps, "promising", lambda state, suspects, _: offered.append(suspects))
+    monkeypatch.setattr(steps, "with_springs", lambda *_: ([], set()))
+    spring, gap = effect("joint_elasticity"), effect("backlash")
+    search = Search(Left(0, 1.0), [(spring, (0,)), (spring, (1,)), (gap, (0,))], 0)
+    monkeypatch.setattr(search, "_most", lambda steps: steps)
+    monkeypatch.setattr(search, "_forward", lambda *_: search.spring_beside(()))
+    monkeypatch.setattr(search, "_without_unsure", lambda *_: set())
+    search.go_on_without({("joint_elasticity", (0,))}, 4)
+    assert offered == [[(spring, (1,)), (gap, (0,))]]

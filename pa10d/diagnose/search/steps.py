@@ -91,6 +91,7 @@ class Search:
     bent_since: dict[Place, JudgedCandidate] = field(default_factory=dict)  # once they were refined
     followed: set[int] = field(default_factory=set)  # joints of which no spring held, and in which
     # nothing was found since
+    gone: set[Place] = field(default_factory=set)  # from the model for good: springs, too
     sharpened: set[int] = field(default_factory=set)  # joints of which a sharper corner of dry
     # friction did what another friction would have
     progress: Callable[[float, str], None] = lambda share, text: None
@@ -124,6 +125,7 @@ class Search:
     def go_on_without(self, gone: set[Place], steps: int | None = None) -> None:
         """Add and prune again once more, without what is gone from the model for good."""
         steps, refused = self._most(steps), {*gone}
+        self.gone |= gone
         self._forward(steps, refused)
         self._without_unsure(steps, refused)
 
@@ -424,12 +426,13 @@ class Search:
         """Add the spring that, with the bodies fitted behind it, takes more than any candidate does
         beside bodies that have bent to it; the other joint's where the data cannot tell."""
         most = max((j.candidate.gain for j in good), default=LEAST_GAIN)
-        guessed = promising(self.state, self.suspects, most)
+        suspects = [(e, joints) for e, joints in self.suspects if (e.id, joints) not in self.gone]
+        guessed = promising(self.state, suspects, most)
         if good:  # the rest comes first; in the end all are followed once more
             first = {g.joint for g in guessed[:SPRINGS_FOLLOWED]}
             fresh = [g for g in guessed if g.joint not in self.followed]
             guessed = [] if first <= self.followed else fresh
-        states, followed = with_springs(self.state, self.suspects, guessed, self.floor)
+        states, followed = with_springs(self.state, suspects, guessed, self.floor)
         self.followed |= followed
         return self._best_of(states, most)
 
