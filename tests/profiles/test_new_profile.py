@@ -150,6 +150,9 @@ def test_torque_that_nobody_has_stated_is_doubted(folder):
     chain = robot(("a", "revolute", FULL.replace("40", "5000")), ("b", "revolute", FULL))
     assert not any("placeholder" in d for d in _doubts(folder(chain)))
     assert any("5000 N·m" in d for d in _doubts(folder(chain.replace('"40"', '"5000"'))))
+    level = chain.replace('<axis xyz="0 1 0"/>', '<axis xyz="0 0 1"/>')  # bears no weight at all
+    level = level.replace('xyz="0 0 -0.2"', 'xyz="0.3 0 0"')
+    assert not any("placeholder" in d for d in _doubts(folder(level)))
 
 
 def _doubts(place):

@@ -24,7 +24,8 @@ Array = NDArray[np.float64]
 TRIES = 2000  # poses among which one is looked for that meets nothing
 POSES = 200  # drawn at random, to see how heavy the arm is
 IN_DEGREES = 50.0  # rad either way, eight turns: more than any joint with a limit has
-STRONGEST = 100.0  # times the arm's weight, of its weakest joint
+BRISK = 10.0  # rad/s² (m/s²)
+STRONGEST = 100.0  # times what moves the arm briskly, of its weakest joint
 ALIKE = 3  # links in a row: two of a pair may be built alike
 TRIANGLE = 1e-6  # share by which rounded digits may break the triangle of principal moments
 
@@ -56,7 +57,11 @@ def facts_of(urdf: Path, joints: Sequence[str] | None = None) -> ArmFacts:
     still = np.zeros_like(poses)
     weight = np.abs(inverse_dynamics(robot, robot.parameters, poses, still, still)).max(axis=0)
     turned = np.diagonal(mass_matrices(robot, poses), axis1=1, axis2=2).max(axis=0)
-    doubts += [*_follow(urdf, robot), *_doubts(robot), *_far_too_strong(robot, weight)]
+    doubts += [
+        *_follow(urdf, robot),
+        *_doubts(robot),
+        *_far_too_strong(robot, weight + BRISK * turned),
+    ]
     home, hangs = _home(robot), False
     if home is None and not _is_free(robot):
         hung = replace(robot, environment=Environment(floor=None))
@@ -192,14 +197,15 @@ def _doubts(robot: Robot) -> Iterator[str]:
             yield f"{named}: no body has the principal moments {shown} kg·m²"
 
 
-def _far_too_strong(robot: Robot, weight: Array) -> Iterator[str]:
-    """A wrist may be many times as strong as it must be; an arm whose weakest joint could lift it
-    all a hundred times over is one of which nobody has stated that."""
-    least, most = float(robot.effort.min()), float(weight.max())
+def _far_too_strong(robot: Robot, asked: Array) -> Iterator[str]:
+    """A wrist may be many times as strong as it must be; an arm whose weakest joint could move it
+    all a hundred times over is one of which nobody has stated that. asked: (n,) N·m (N)."""
+    least, most = float(robot.effort.min()), float(asked.max())
     if most > 0 and np.isfinite(least) and least > STRONGEST * most:
         yield (
-            f"each joint may give {least:g} N·m (N) or more by the URDF, where its weight asks for "
-            f"{most:.2g} at most: a placeholder? State --torque: what is pushed with depends on it"
+            f"each joint may give {least:g} N·m (N) or more by the URDF, where gravity and "
+            f"{BRISK:g} rad/s² ask for {most:.2g} at most: a placeholder? State --torque: what is "
+            "pushed with depends on it"
         )
 
 
@@ -219,8 +225,8 @@ def _all_alike(robot: Robot) -> Iterator[str]:
     if row.max() >= ALIKE:
         yield (
             f"{row.max()} links in a row have the same mass, {bodies[row.argmax(), 0]:g} kg, and "
-            "the same inertia, which look like placeholders: what the arm weighs, and every limit "
-            "assumed from that, may be far off"
+            "the same inertia. Unless they are built alike these are placeholders: what the arm "
+            "weighs, and every limit assumed from that, may be far off"
         )
 
 
