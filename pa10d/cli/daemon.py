@@ -236,13 +236,9 @@ def _motion_for_others(options: argparse.Namespace, plan: JsonObject) -> Answer:
 
 def controller(options: argparse.Namespace) -> Answer:
     """``controller``: asks the daemon that runs on this data."""
-    from pa10d.client import running_daemon
-    from pa10d.common.errors import UserError
+    from pa10d.cli.daemon_client import daemon_beside
 
-    client = running_daemon(options.data)
-    if client is None:
-        raise UserError("controller: no daemon runs on this data; expected 'pa10d serve' beside it")
-    with client:
+    with daemon_beside(options, "controller") as client:
         law = options.law or ("computed_torque" if options.model else None)
         robot = client.robot() if law is None else client.use_controller(law, options.model)
     found = {key: robot[key] for key in ("controller", "model", "state")}

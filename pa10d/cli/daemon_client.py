@@ -64,6 +64,22 @@ def daemon_for(
             client.let_others_command()  # such as the next command of the same person
 
 
+@contextlib.contextmanager
+def daemon_beside(options: argparse.Namespace, asked: str) -> Iterator[Client]:
+    """The daemon on this data, which must run: what the arm does now is asked of it, and the
+    command of the arm given back. asked: the command, as typed."""
+    from pa10d.client import running_daemon
+
+    client = running_daemon(options.data)
+    if client is None:
+        raise UserError(f"{asked}: no daemon runs on this data; expected 'pa10d serve' beside it")
+    with client:
+        try:
+            yield client
+        finally:
+            client.let_others_command()
+
+
 def read_plan(kind: str | None, file: Path | None, settings: Sequence[str]) -> JsonObject:
     """``{kind, parameters, …}`` from a file or from what the command line says."""
     from pa10d.common.yamlfile import read_value, read_yaml

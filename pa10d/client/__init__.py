@@ -13,6 +13,7 @@ from pa10d.client.daemons import (
     local_daemon,
     running_at,
     running_daemon,
+    stop_robot,
 )
 
 __all__ = [
@@ -24,4 +25,5 @@ __all__ = [
     "local_daemon",
     "running_at",
     "running_daemon",
+    "stop_robot",
 ]

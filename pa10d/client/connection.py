@@ -35,14 +35,20 @@ class JobFailed(UserError):
 class Connection:
     """HTTP and WebSocket to one daemon, under one name."""
 
-    def __init__(self, url: str, token: str | None = None, name: str | None = None) -> None:
-        """name: who commands the arm; default: this process."""
+    def __init__(
+        self,
+        url: str,
+        token: str | None = None,
+        name: str | None = None,
+        patience: float = REQUEST,
+    ) -> None:
+        """name: who commands the arm; default: this process. patience: s for an answer."""
         headers = {"X-Client": name or f"client-{os.getpid()}"}
         if token:
             headers["Authorization"] = f"Bearer {token}"
         self.url = url.rstrip("/")
         self._http = httpx.Client(
-            base_url=self.url, headers=headers, timeout=REQUEST, trust_env=False
+            base_url=self.url, headers=headers, timeout=patience, trust_env=False
         )
 
     def close(self) -> None:

@@ -14,7 +14,13 @@ from pathlib import Path
 
 from pa10d.client.client import Client
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 
+ANSWERS = 1.0  # s within which a stop that goes well is answered, tenfold
+NONE_RUNS = (
+    "stop: no daemon runs on this data; control processes of others stop their arms at "
+    "'pkill -USR1 -f pa10d.control'"
+)
 START = 180.0  # s for a daemon to come up; compiled code may have to be made first
 
 
@@ -32,6 +38,29 @@ def running_daemon(data: str | os.PathLike[str] | None = None) -> Client | None:
         return client
     client.close()
     return None
+
+
+def stop_robot(data: str | os.PathLike[str] | None, wait: float) -> JsonObject | None:
+    """Stop the arm of the daemon on this data: what that says once the arm rests, or after
+    ``wait`` s. None where it does not answer: then its control process was told by a signal.
+    UserError where there is neither."""
+    from pa10d.daemon.presence import present
+    from pa10d.daemon.second_stop import stop_by_signal
+    from pa10d.store.location import data_folder
+
+    found = present(data_folder(data))
+    if found is None:
+        raise UserError(NONE_RUNS)
+    try:
+        with Client(found.url, found.token, patience=ANSWERS) as client:
+            robot = client.stop(wait=0.0)
+    except UserError as error:
+        if stop_by_signal(found.pid):
+            return None
+        raise UserError(f"stop: {error}; nor is there a control process to signal") from error
+    with contextlib.suppress(UserError), Client(found.url, found.token) as client:
+        return client.stop(wait=wait)
+    return robot
 
 
 @contextlib.contextmanager

@@ -314,6 +314,23 @@ class LawInForce(Document):
     state: str
 
 
+class RobotTold(Document):
+    """Of ``robot …``. doubts: sentences about joints outside their limits, that stand elsewhere
+    than they stood, or that their brakes do not hold."""
+
+    profile: str
+    state: str
+    fault: JsonObject | None
+    offline_reason: str | None
+    doubts: list[str]
+
+
+class RobotStopped(Document):
+    """Of ``robot stop`` where the daemon did not answer, and control was told by a signal."""
+
+    state: None
+
+
 class DriveMemory(Document):
     """What one drive remembers. joint: from 1; problem: why it could not be asked."""
 
@@ -415,6 +432,11 @@ KINDS_OF_DOCUMENT: Mapping[str, Any] = {
     "profile-tune": ProfileDifference,
     "profile-undo": ProfileDifference,
     "profile-versions": ProfileVersion,
+    "robot-disable": RobotTold,
+    "robot-enable": RobotTold,
+    "robot-reset": RobotTold,
+    "robot-state": RobotTold,
+    "robot-stop": RobotTold | RobotStopped,
     "run-check": CheckedRun,
     "run-delete": StoredRun,
     "run-export": WrittenFile,

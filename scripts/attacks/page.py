@@ -55,7 +55,8 @@ others are cancelled.
 LAST = """## The second way to stop
 
 `stop` needs the daemon. Where that does not answer, a signal to the control process does the same:
-the arm comes to rest along its limits and is held.
+the arm comes to rest along its limits and is held. `pa10d robot stop` asks first, and signals where
+the daemon is silent for a second.
 
 ```sh
 pkill -USR1 -f pa10d.control              # from any terminal
