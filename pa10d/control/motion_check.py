@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 START_TOLERANCE = 2e-3  # rad between where the arm is held and where a motion begins
 JUMP = 0.02  # of the speed limit, by which a step may differ from what the speeds say
 CHANGE = 2.0  # of the acceleration limit, by which speeds may differ from one row to the next
+CARRIED = 2.0  # of the torque limit, by which what a joint carries may differ from where it begins
 
 _FINE, _NUMBER, _LOW, _HIGH, _FAST, _HARD, _STEP, _KICK, _TORQUE = range(9)
 _SAYS = {
@@ -27,7 +28,7 @@ _SAYS = {
     _HARD: "accelerates with {value:.4g} rad/s², its limit is {limit:.4g} rad/s²",
     _STEP: "jumps by {value:.4g} rad from what its speed says, allowed are {limit:.4g} rad",
     _KICK: "changes its speed by {value:.4g} rad/s in one row, allowed are {limit:.4g} rad/s",
-    _TORQUE: "brings {value:.4g} N·m along, its limit is {limit:.4g} N·m",
+    _TORQUE: "brings {value:.4g} N·m along, allowed are {limit:.4g} N·m",
 }
 
 
@@ -93,8 +94,8 @@ def _first_wrong(rows, n, period, lower, upper, velocity, acceleration, torque):
                 return _LOW, k, j, stop, lower[j]
             if stop > upper[j] + ROUNDING:
                 return _HIGH, k, j, stop, upper[j]
-            if abs(extra) > torque[j]:
-                return _TORQUE, k, j, extra, torque[j]
+            if abs(extra) > CARRIED * torque[j]:
+                return _TORQUE, k, j, extra, CARRIED * torque[j]
             if k > 0:
                 before, speed = rows[k - 1, j], rows[k - 1, n + j]
                 off = q - before - 0.5 * (dq + speed) * period

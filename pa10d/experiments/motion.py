@@ -106,11 +106,17 @@ def measured_torque(
     plan: Plan, whole: Whole, robot: Robot, figures: JointFigures, rate: float
 ) -> Array:
     """(N, n) N·m that measured friction and inertia ask for along the motion, and the small torques
-    of a first motion on top; no more than a joint can give, be it on top of what holds it."""
+    of a first motion on top; no more than a joint can give beside what holds it where it begins:
+    one that carries much there, and as much the other way later, asks for more than its limit."""
     ahead = torque_ahead(robot, figures, whole.samples)
     t = np.arange(1.0, whole.last - whole.first + 1.0) / rate
     ahead[whole.first : whole.last] += small_torques(plan, robot, figures, t, rate)
-    return np.clip(ahead, -robot.effort, robot.effort)
+    held = np.zeros(robot.n)
+    if len(figures.bodies):
+        still = np.zeros((1, robot.n))
+        held = inverse_dynamics(robot, figures.bodies[0], whole.samples.q[:1], still, still)[0]
+    held = np.clip(held, -robot.effort, robot.effort)  # that holds it, whatever a URDF says
+    return np.clip(ahead, -robot.effort - held, robot.effort - held)
 
 
 def weight_between(robot: Robot, figures: JointFigures, q: Array) -> Array | None:
