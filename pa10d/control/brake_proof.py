@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pa10d.common.jsonable import JsonObject
 from pa10d.control.limits import ArmLimits
 from pa10d.control.stop import REST_SPEED
-from pa10d.control.whereabouts import GIVE, JUMP
+from pa10d.control.whereabouts import GIVE, GoneInBrakes
 
 Array = NDArray[np.float64]
 
@@ -71,12 +71,10 @@ class BrakeProof:
 
     def __init__(self, limits: ArmLimits) -> None:
         n = len(limits.torque)
-        self._slow, self._fastest = REST_SPEED * limits.velocity, limits.velocity
-        self._slides = limits.slides
-        self._at, self._last = np.full(n, np.nan), np.full(n, np.nan)  # rad
+        self._slow, self._slides = REST_SPEED * limits.velocity, limits.slides
+        self._gone = GoneInBrakes(limits)
         self._beyond = np.zeros(n, dtype=np.int64)  # cycles
         self._beyond_since, self._top = np.zeros(n), np.zeros(n)  # s, rad/s
-        self._seen = 0.0  # s
         self._since: float | None = None  # s, when the last of them had its load
 
     @property
@@ -101,12 +99,8 @@ class BrakeProof:
         closed: NDArray[np.bool_],
     ) -> list[Unheld]:
         """Joints that go on in their closed brakes. q, dq: (n,) rad, rad/s as read; age: cycles
-        since each was fresh. One that reads elsewhere at once has not gone there."""
-        jumps = np.abs(q - self._last) > JUMP * self._fastest * (now - self._seen)
-        self._last, self._seen = q.copy(), now
-        lost = jumps | (age != 0) | ~closed
-        self._at = np.where(lost, np.nan, np.where(np.isnan(self._at), q, self._at))
-        gone, speed = np.nan_to_num(q - self._at), np.abs(dq)
+        since each was fresh."""
+        gone, speed = self._gone.see(now, q, age, closed), np.abs(dq)
         goes = (np.abs(gone) > GIVE) & (gone * dq > 0.0) & (speed > self._slow)
         goes &= speed >= SLOWING * np.where(self._beyond > 0, self._top, 0.0)
         self._top = np.where(self._beyond > 0, np.maximum(self._top, speed), speed)

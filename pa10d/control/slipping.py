@@ -2,8 +2,7 @@
 
 A load that its brake does not hold goes as soon as power has gone, and downwards: what begins to
 move later, or against its load, a hand moves. A joint that goes into its brake with speed is
-brought to rest by it first. One that is not heard, or reads elsewhere at once, has not gone there:
-its drive began anew, or its encoder jumped.
+brought to rest by it first.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 from pa10d.control.holding import FELL
 from pa10d.control.limits import ArmLimits
 from pa10d.control.stop import REST_SPEED
-from pa10d.control.whereabouts import GIVE, JUMP
+from pa10d.control.whereabouts import GIVE, GoneInBrakes
 
 Array = NDArray[np.float64]
 
@@ -32,11 +31,8 @@ class Slipping:
         """now: s; weight: N·m (n,) that would hold each joint."""
         loaded = np.abs(weight) > LOADED * limits.torque
         self._down = np.where(loaded, -np.sign(weight), 0.0)
-        self._slow, self._fastest = REST_SPEED * limits.velocity, limits.velocity
-        self._far = FELL * limits.following_error
-        self._now = self._seen = now
-        self._last = np.full(len(self._far), np.nan)  # rad, in the cycle before
-        self._at = np.full(len(self._far), np.nan)  # rad, where each was held, or was to be
+        self._slow, self._far = REST_SPEED * limits.velocity, FELL * limits.following_error
+        self._gone, self._now = GoneInBrakes(limits), now
         self._beyond = np.zeros(len(self._far), dtype=np.int64)
         self._begun = np.zeros(len(self._far), dtype=bool)
         self._told = np.zeros(len(self._far), dtype=bool)
@@ -56,12 +52,8 @@ class Slipping:
         """Joints that slip, and by how many rad, each told once. q, dq: (n,) rad, rad/s as read;
         age: cycles since each was fresh; closed: (n,) of which it is sure that they are in their
         brakes."""
-        jumps = np.abs(q - self._last) > JUMP * self._fastest * (now - self._seen)
-        self._last, self._seen = q.copy(), now
         rests = (np.abs(dq) < self._slow) | (now - self._now > CATCHES)
-        self._at[(age != 0) | jumps | ~closed] = np.nan
-        self._at = np.where(np.isnan(self._at) & rests & (age == 0) & closed, q, self._at)
-        gone = np.nan_to_num(self._down * (q - self._at))
+        gone = self._down * self._gone.see(now, q, age, closed, rests)
         if now - self._now <= BEGINS:
             self._begun |= gone > GIVE
         gone = np.where(self._begun, gone, 0.0)

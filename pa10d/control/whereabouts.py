@@ -108,6 +108,34 @@ class Whereabouts:
         ]
 
 
+class GoneInBrakes:
+    """How far joints have gone in their closed brakes since each was first seen there. One that is
+    not heard, or reads elsewhere at once, has not gone there: its drive began anew, or its encoder
+    jumped."""
+
+    def __init__(self, limits: ArmLimits) -> None:
+        self._fastest = limits.velocity
+        self._at, self._last = (np.full(len(limits.torque), np.nan) for _ in range(2))  # rad
+        self._seen = 0.0  # s
+
+    def see(
+        self,
+        now: float,
+        q: Array,
+        age: NDArray[np.int64],
+        closed: NDArray[np.bool_],
+        rests: NDArray[np.bool_] | bool = True,
+    ) -> Array:
+        """(n,) rad. now: s; q: (n,) rad as read; age: cycles since each was fresh; closed: (n,) of
+        which it is sure that they are in their brakes; rests: which may be counted from here."""
+        jumps = np.abs(q - self._last) > JUMP * self._fastest * (now - self._seen)
+        self._last, self._seen = q.copy(), now
+        there = closed & (age == 0)
+        at = np.where(there & ~jumps, self._at, np.nan)
+        self._at = np.where(np.isnan(at) & there & rests, q, at)
+        return np.nan_to_num(q - self._at)
+
+
 @numba.njit(cache=True)
 def _look(q, dq, age, stale, period, fastest, braking, at, speed, was, anew):
     for j in range(len(q)):
