@@ -99,18 +99,33 @@ def _bounds(layout: Layout, fit: Fit, feasible: FeasibleModel) -> Iterator[str]:
             f"link {links}: the feasible mass distribution is at the edge of what a body can have; "
             "its inertia is not to be read as a measurement"
         )
+    if len(costly):
+        yield f"{_cost(robot, costly, feasible.rms, fit.rms)}: {_why(layout, beta, feasible)}"
+
+
+def _cost(robot: Robot, costly: NDArray[np.intp], bounded: Array, free: Array) -> str:
+    """What possible bodies cost, and where most: one cause, however many joints show it."""
+    more = 100 * (bounded / np.maximum(free, 1e-300) - 1.0)[costly]
+    worst = int(costly[np.argmax(more)])
+    sizes = (
+        f"{rounded(bounded[worst], 3)} instead of {rounded(free[worst], 3)} "
+        f"{robot.torque_unit(worst)}"
+    )
+    if len(costly) == 1:
+        where, size, most = _joint(robot, worst), f"{more[0]:.0f}", ""
+    else:
+        where = _joints([int(j) for j in costly])
+        size, most = f"{more.min():.0f} to {more.max():.0f}", f"most on {_joint(robot, worst)}: "
+    return f"{where}: feasible parameters leave {size} % more error ({most}{sizes})"
+
+
+def _why(layout: Layout, beta: Array, feasible: FeasibleModel) -> str:
     held = _told_beyond_bounds(layout, beta)
-    for j in costly:
-        why = f"nothing that can exist explains all of it; {ASK}"
-        if not feasible.converged:
-            why = "the search for better ones did not converge"
-        elif held:
-            why = f"what was told does not fit ({', '.join(held)} out of bounds); {ASK}"
-        yield (
-            f"{_joint(robot, int(j))}: feasible parameters leave {100 * cost[j]:.0f} % more error "
-            f"({rounded(feasible.rms[j], 3)} instead of {rounded(fit.rms[j], 3)} "
-            f"{robot.torque_unit(int(j))}): {why}"
-        )
+    if not feasible.converged:
+        return "the search for better ones did not converge"
+    if held:
+        return f"what was told does not fit ({', '.join(held)} out of bounds); {ASK}"
+    return f"nothing that can exist explains all of it; {ASK}"
 
 
 def _told_beyond_bounds(layout: Layout, beta: Array) -> list[str]:

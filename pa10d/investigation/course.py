@@ -97,7 +97,7 @@ def done(state: Investigation, step: Step, outcome: StepOutcome) -> None:
     step.runs, step.models = list(outcome.runs), list(outcome.models)
     step.moved, step.result = outcome.moved, outcome.result
     step.said, step.status, step.finished = outcome.said[:4000], "done", _now()
-    step.tuned = list(outcome.tuned)
+    step.notes, step.tuned = [note[:4000] for note in outcome.notes[:100]], list(outcome.tuned)
     if step.kind == "diagnose":
         _after_search(state, step)
     if next_step(state) is None:

@@ -123,7 +123,8 @@ def _doubts(state: Investigation) -> list[Section]:
 def _course(state: Investigation) -> Section:
     rows = [
         [step.title, MARKS[step.status], f"{step.moved:.0f} s" if step.moved else "–",
-         ", ".join([*step.runs, *step.models]) or "–", " ".join([step.said, *step.tuned])]
+         ", ".join([*step.runs, *step.models]) or "–",
+         " ".join([step.said, *step.notes, *step.tuned])]
         for step in state.steps if step.kind != "report"
     ]  # fmt: skip
     return Section("Step by step", [Table(["step", "", "moved", "made", "said"], rows, words=1)])

@@ -22,14 +22,16 @@ Known = list[float | None]
 @dataclass(frozen=True)
 class StepOutcome:
     """What came of a step. runs, models: ids of what it made; moved: s that the arm moved; result:
-    its figures, JSON as the state keeps them; said: how it ended, in words; tuned: what was set
-    of the arm's servo meanwhile, a sentence each, for whoever asks."""
+    its figures, JSON as the state keeps them; said: how it ended, in words; notes: what else there
+    is to be known of it, a sentence each; tuned: what was set of the arm's servo meanwhile, for
+    whoever asks."""
 
     runs: Sequence[str] = ()
     models: Sequence[str] = ()
     moved: float = 0.0
     result: JsonObject = field(default_factory=dict)
     said: str = ""
+    notes: Sequence[str] = ()
     tuned: Sequence[str] = ()
 
 

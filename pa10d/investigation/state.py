@@ -43,7 +43,8 @@ class ArmMotion(_Kept):
 
 class Step(_Kept):
     """runs, models: ids of what it made; result: its figures, JSON that ``results`` reads; said:
-    how it ended, in words; tuned: what was set of the arm's servo meanwhile, for whoever asks."""
+    how it ended, in words; notes: what else there is to be known of it; tuned: what was set of the
+    arm's servo meanwhile, for whoever asks."""
 
     id: Id
     kind: StepKind
@@ -55,6 +56,7 @@ class Step(_Kept):
     moved: Seconds = 0.0
     result: JsonObject = {}
     said: Sentence = ""
+    notes: Annotated[list[Sentence], Field(max_length=100)] = []
     tuned: Annotated[list[Sentence], Field(max_length=100)] = []
     started: str | None = None
     finished: str | None = None

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.jsonable import JsonObject
-from pa10d.common.words import listed, percent, rounded, times
+from pa10d.common.words import counted, listed, percent, rounded, sentence, times
 from pa10d.compare.comparison import RunScores
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.outcome.settling import NextExperiment
@@ -56,8 +56,7 @@ def compared_words(pooled: RunScores, model: str) -> str:
     text = f"Worst is joint {worst + 1}: its error is {size}."
     if not pooled.where:
         return f"{text} No region stands out."
-    sentence = pooled.where[0].sentence
-    return f"{text} {sentence[0].upper()}{sentence[1:].removesuffix('.')}."
+    return f"{text} {sentence(pooled.where[0].sentence)}"
 
 
 def found_words(found: Diagnosis) -> str:
@@ -102,7 +101,15 @@ def identified_words(found: FitSummary) -> str:
     text += f", fitted below {found.cutoff_hz:.3g} Hz."
     if not found.feasible:
         text += " No bodies that can exist are known for it."
-    return " ".join([text, *(f"{w[0].upper()}{w[1:].rstrip('.')}." for w in found.warnings)])
+    if found.warnings:
+        known = counted(len(found.warnings), "note")
+        text += f" {known} on it: with the model, and in the report."
+    return text
+
+
+def fit_notes(found: FitSummary) -> list[str]:
+    """What there is to be known of a fit, the gravest first."""
+    return [sentence(warning) for warning in found.warnings]
 
 
 def doubt_words(finding: NamedEffect, plan: NextExperiment) -> str:

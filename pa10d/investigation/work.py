@@ -27,6 +27,7 @@ from pa10d.investigation.words import (
     added_words,
     compared_words,
     fall_words,
+    fit_notes,
     found_words,
     identified_words,
     judged_where,
@@ -66,8 +67,10 @@ def _identify(
         library, state.to_fit, state.profile, name=_name(state, 0), replace=True,
         force=state.force, progress=progress,
     )  # fmt: skip
-    said = identified_words(summary(made.model))
-    return StepOutcome(models=[made.info.id], result=made.summary, said=said)
+    fit = summary(made.model)
+    return StepOutcome(
+        models=[made.info.id], result=made.summary, said=identified_words(fit), notes=fit_notes(fit)
+    )
 
 
 def _compare(

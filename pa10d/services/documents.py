@@ -220,14 +220,15 @@ class Demo(Document):
 
 
 class Step(Document):
-    """One of an investigation. seconds: s of motion that it is expected to take; tuned: what was
-    set of the arm's servo meanwhile, a sentence each."""
+    """One of an investigation. seconds: s of motion that it is expected to take; notes: what else
+    there is to be known of what came of it; tuned: what was set of the arm's servo meanwhile."""
 
     id: str
     kind: Literal["motion", "identify", "compare", "diagnose", "add", "judge", "report"]
     title: str
     status: Literal["waiting", "running", "done", "left_out"]
     said: str
+    notes: list[str]
     tuned: list[str]
     runs: list[str]
     models: list[str]

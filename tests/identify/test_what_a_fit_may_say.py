@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from pa10d.identify.advice import warnings_of
+from pa10d.identify.advice import _cost, warnings_of
 from pa10d.model import Term
 
 
@@ -64,3 +64,13 @@ def test_a_fit_that_bodies_cannot_follow_claims_no_missing_effect():
     spring = Term("joint_elasticity", (0,), np.zeros(1), {"K": 100.0})
     layout.terms, layout.places = (spring,), (slice(0, 1),)
     assert said(feasible)[-1].startswith(f"{left}what was told does not fit (Fv1 out of bounds)")
+
+
+def test_joints_that_bodies_cannot_follow_share_one_sentence():
+    """One cause, however many joints show it: an arm of seven said it five times over."""
+    robot = SimpleNamespace(torque_unit=lambda j: "N·m", joint_names=("a", "b", "c"))
+    bounded, free = np.array([0.6, 0.9, 0.51]), np.array([0.5, 0.9, 0.5])
+    assert _cost(robot, np.array([0, 2]), bounded, free) == (
+        "joints 1, 3: feasible parameters leave 2 to 20 % more error "
+        "(most on joint 1 (a): 0.6 instead of 0.5 N·m)"
+    )

@@ -16,7 +16,7 @@ from pa10d.experiments.outcome import Outcome, RecordedRun
 from pa10d.investigation import course
 from pa10d.investigation.archive import Archive
 
-RESULTS = {"identify": {"models": ["m0"]}, "add": {"models": ["m1"]}}
+RESULTS = {"identify": {"models": ["m0"], "notes": ["Rank lost."]}, "add": {"models": ["m1"]}}
 
 
 class PaperDaemon:
@@ -96,6 +96,7 @@ def test_to_its_end(tmp_path, carry):
     assert ("excitation", ("fit", "look")) in daemon.carried_out
     assert found["moved_seconds"] == pytest.approx(6 * 9.0)
     assert found["models"] == ["m0", "m1"]
+    assert [s["notes"] for s in found["steps"] if s["notes"]] == [["Rank lost."]]
 
 
 def test_what_was_set_of_the_servo_is_kept_beside_what_is_said(tmp_path, carry):

@@ -11,12 +11,15 @@ from made_up import SET, investigation
 from pa10d.compare.comparison import RunScores
 from pa10d.diagnose.unknown.claims import Unnamed
 from pa10d.effects import Value
+from pa10d.identify.summary import FitSummary
 from pa10d.investigation import course
 from pa10d.investigation.results import LastWord
 from pa10d.investigation.words import (
     compared_words,
     fall_words,
+    fit_notes,
     found_words,
+    identified_words,
     left_words,
     units_of,
 )
@@ -130,3 +133,14 @@ def test_without_fresh_motion_nothing_is_judged_on_it():
 def test_errors_of_slides_stand_in_newtons():
     assert units_of({"units": ["N·m", "N", "N"]}) == "N or N·m"
     assert units_of({"units": []}) == "N·m", "an older version wrote none"
+
+
+def test_a_fit_is_told_in_a_line_and_its_notes_for_who_asks():
+    """Of an arm of seven joints they were thirty lines amid the story."""
+    fit = FitSummary("m0", "m0", 62, 43, 81.12, 12.0, [0.1], True, ["joint 1 hardly moves", "b."])
+    assert identified_words(fit) == (
+        "62 base parameters, condition number 81.1, fitted below 12 Hz. "
+        "2 notes on it: with the model, and in the report."
+    )
+    assert fit_notes(fit) == ["Joint 1 hardly moves.", "B."]
+    assert "note" not in identified_words(replace(fit, warnings=[]))

@@ -145,6 +145,7 @@ function line(step, now, found) {
     running ? el("small", {}, running.message.replace(`${step.title}: `, "")) : null,
     step.why && step.status === "waiting" ? el("small", {}, step.why) : null,
     step.said ? el("p", {}, step.said) : null,
+    step.notes.length ? el("details", {}, el("summary", {}, step.notes.length === 1 ? "The note" : `The ${step.notes.length} notes`), el("ul", {}, step.notes.map((one) => el("li", {}, one)))) : null,
     step.tuned.map((line) => el("p", { class: "muted" }, line)),
     motion && step.status === "waiting" && (next || found.status === "waiting") ? courses(motion) : null);
 }
