@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.trajectory.excitation.in_the_open import narrower, open_pose
 from pa10d.trajectory.excitation.polish import QUICK, THOROUGH, FeasibleMotion, judged, polish
 from pa10d.trajectory.excitation.problem import ExcitationProblem
 
@@ -73,9 +74,13 @@ def search(
     rng = np.random.default_rng(seed)
     _warm(problem)
     drawn = [problem.random(rng) for _ in range(POPULATION)]
-    first = [_aligned(problem, c) for c in _polished(problem, drawn, QUICK, mapper)]
-    people = sorted(first, key=_score)
-    count = sum(c.evaluations for c in people)
+    first = list(_polished(problem, drawn, QUICK, mapper))
+    if all(problem.excess(c.x) > 0.0 for c in first):
+        about = open_pose(problem, rng)
+        begun = [narrower(problem, x, about) for x in drawn]
+        first += _polished(problem, begun, QUICK, mapper)
+    count = sum(c.evaluations for c in first)
+    people = sorted((_aligned(problem, c) for c in first), key=_score)[:POPULATION]
     history, done = [people[0].score], 0
     slowest = (time.monotonic() - began) * BATCH / POPULATION
     for done in range(1, generations + 1):

@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from pa10d.common.errors import UserError
+from pa10d.trajectory.excitation.in_the_open import narrower, open_pose
 from pa10d.trajectory.excitation.polish import QUICK, polish
 from pa10d.trajectory.excitation.problem import ExcitationProblem
 from pa10d.trajectory.kinds.base import Angle, Array, Count, Kind, Positive
@@ -17,7 +18,8 @@ from pa10d.trajectory.motions import Fourier
 from pa10d.trajectory.plan import Plan, Segment, joined
 from pa10d.trajectory.poses import Surroundings
 
-DRAWS = 20  # random series, the best of which is improved
+DRAWS = 20  # random series
+FEW = 2  # of the best that are improved
 SMALLER = (1.0, 0.98, 0.95)  # of its size, for one that leaves no acceleration to enter it with
 
 
@@ -98,9 +100,20 @@ class Excitation(Kind):
         rng = np.random.default_rng(self.seed)
         drawn = [problem.random(rng) for _ in range(DRAWS)]
         drawn.sort(key=lambda x: problem.excess(x) * 1e6 + problem.condition_number(x))
-        best = min((polish((problem, x, QUICK)) for x in drawn[:2]), key=lambda c: c.score)
-        found = Excitation.of(problem, best.x, self.cycles)
+        found = Excitation.of(problem, _improved(problem, drawn[:FEW], rng), self.cycles)
         return self._series(np.array(found.centre), np.array(found.a), np.array(found.b))
+
+
+def _improved(problem: ExcitationProblem, drawn: list[Array], rng: np.random.Generator) -> Array:
+    """The best motion near the first few. Where those end in the floor, or too heavy, they are
+    begun in the open; the last resort is as much of the best as can be run."""
+    best = min((polish((problem, x, QUICK)) for x in drawn), key=lambda c: c.score)
+    if problem.excess(best.x) <= 0.0:
+        return best.x
+    about = open_pose(problem, rng)
+    begun = (polish((problem, narrower(problem, x, about), QUICK)) for x in drawn)
+    best = min(best, *begun, key=lambda c: c.score)
+    return narrower(problem, best.x, about)
 
 
 def _entered(series: Fourier, limits: MotionLimits) -> Fourier:
