@@ -13,7 +13,7 @@ from backends.virtual.plant import plant
 from pa10d.client import local_daemon
 
 HOLDS = 35.0  # N·m
-SAYS = "the brake of joint 2 does not hold its load: it went 0.00"
+SAYS = "the brake of joint 2 does not hold its load: it went 0.0"
 
 
 def build(profile):

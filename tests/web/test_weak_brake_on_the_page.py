@@ -14,7 +14,8 @@ TOLD = """(robot) => {
   const { change } = globalThis.pa10dModules.get("base/store.js");
   change({ robot });
   const box = [...document.querySelectorAll("#robot .doubt")].at(-1);
-  return [box.hidden, box.textContent];
+  const guide = document.querySelector("section:not([hidden]) .guide");
+  return [box.hidden, box.textContent, guide.textContent];
 }"""
 
 
@@ -22,12 +23,14 @@ def test_it_is_said_while_power_stays_and_no_longer(archive, visit):
     visitor = visit(archive[0])
     visitor.open("robot")
     robot = json.loads(visitor.page.request.get(f"{archive[0]}/api/v1/robot").text())
-    weak = {"joint": 2, "gone": 0.0056, "unit": "rad", "sentence": f"{SAYS}56 rad"}
+    weak = {"joint": 2, "gone": 0.0056, "unit": "rad", "sentence": f"{SAYS}056 rad"}
     for state, found, hides in (("holding", [], True), ("holding", [weak], False),
                                 ("inactive", [], True)):  # fmt: skip
-        hidden, words = visitor.page.evaluate(TOLD, {**robot, "state": state, "unheld": found})
+        told = {**robot, "offline_passes": False, "state": state, "unheld": found}
+        hidden, words, guide = visitor.page.evaluate(TOLD, told)
         assert hidden is hides
         assert ("Support the arm, then disable it." in words) is not hidden or not found
+        assert (f"The{SAYS[3:]}" in guide) is not hides, "it comes before the story"
 
 
 @pytest.mark.long
@@ -38,7 +41,8 @@ def test_power_goes_where_that_is_confirmed(weak_brake, visit):
     page = visit(client.url).page
     page.goto(f"{client.url}/#/robot")
     page.get_by_role("button", name="Disable", exact=True).click()
-    page.get_by_text(SAYS).first.wait_for()
+    page.locator("#robot .doubt", has_text=SAYS).wait_for()
+    assert not page.get_by_text("The arm could not be disabled.").count(), "the panel says so"
     page.get_by_role("button", name=BUTTON).click()
     page.get_by_role("button", name="Leave it").click()
     assert client.robot()["state"] == "holding"

@@ -56,6 +56,10 @@ function judged() {
     return { ...found, meaning: "Unpowered, brakes on. Angles are read, but not all of them are believed.",
              next: { go: "robot", text: `The arm is not powered before somebody has looked at it: ${inPlaces(robot)}.`, label: "Look" } };
   }
+  if (sinking(robot)) {
+    return { ...found, meaning: "Powered; the controller holds the arm, which its brakes alone would not.",
+             next: { go: "robot", text: `${capital(inBrakes(robot))}. Its motor holds it, and power stays. Support the arm, then disable it.`, label: "Look" } };
+  }
   if (MOVING.includes(robot.state)) return { ...found, next: { go: "robot", text: `${found.meaning} Watch it${job ? ", or abort below" : ""}.`, label: "Watch" } };
   if (job?.status === "queued") return { ...found, next: { text: "An experiment waits for its turn; the arm stands still until then. You can abort it below." } };
   if (job?.kind === "investigation") return { ...found, next: { text: `An investigation is under way (${job.message || "it begins"}); the arm stands still, and may move. You can abort it below.` } };
@@ -67,6 +71,12 @@ function judged() {
 export const inPlaces = (robot) => robot.misplaced.map((one) => one.sentence).join("; ");
 /** Is the arm at rest, and not to be powered before somebody has looked? */
 export const doubted = (robot) => robot.state === "inactive" && robot.misplaced.length > 0;
+
+/** Brakes that did not hold the arm as power was to go, one after the other. */
+export const inBrakes = (robot) => robot.unheld.map((one) => one.sentence).join("; ");
+/** Is the arm held by its motors because its brakes would let it sink? */
+export const sinking = (robot) => robot.state === "holding" && robot.unheld.length > 0;
+const capital = (text) => `${text[0].toUpperCase()}${text.slice(1)}`;
 
 const lost = (seconds) => {
   const age = Number.isFinite(seconds) ? `${seconds} s` : "a while";

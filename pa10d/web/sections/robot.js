@@ -1,7 +1,7 @@
 // The arm: state, commands, axes, live plots.
 import { el, fill, say } from "../base/dom.js";
 import { client, post, put } from "../base/api.js";
-import { doubted, inPlaces, mayCommand } from "../base/condition.js";
+import { doubted, inBrakes, inPlaces, mayCommand, sinking } from "../base/condition.js";
 import { current, loadRobot, state, watch } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 import { fixed } from "../base/units.js";
@@ -63,16 +63,17 @@ function liveArm() {
 }
 
 function buttons() {
-  const command = (label, path, states, what) => ({
+  const command = (label, path, states, what, shown = () => false) => ({ // shown: beside the buttons, so that no notice is needed
     states,
     button: el("button", { type: "button", onclick: guarded(what, async () => {
-      await post(`robot/${path}`);
-      await loadRobot();
+      const refused = await post(`robot/${path}`).then(() => null, (error) => error);
+      await (refused ? loadRobot().catch(() => null) : loadRobot());
+      if (refused && !shown(state.robot)) throw refused;
     }) }, label),
   });
   const all = [
     command("Enable", "enable", ["inactive"], "The arm could not be enabled."),
-    command("Disable", "disable", ["holding"], "The arm could not be disabled."),
+    command("Disable", "disable", ["holding"], "The arm could not be disabled.", sinking),
     command("Reset", "reset", ["fault"], "The fault could not be reset."),
     command("Connect", "connect", ["offline"], "The drives could not be reached."),
   ];
@@ -112,9 +113,8 @@ function elsewhere() {
 
 /** Brakes that did not hold the arm as power was to go: it stayed. */
 function slipping() {
-  const told = () => state.robot.unheld.map((one) => one.sentence).join("; ");
   const said = el("p", {}), button = el("button", { type: "button", onclick: guarded("The power is still on.", async () => {
-    const go = await ask("Take the power away although the arm will sink?", `${told()}. Without power that joint goes down as far as something stops it. Is the arm supported, and nobody below it?`, "Take the power away", { danger: true });
+    const go = await ask("Take the power away although the arm will sink?", `${inBrakes(state.robot)}. Without power that joint goes down as far as something stops it. Is the arm supported, and nobody below it?`, "Take the power away", { danger: true });
     if (!go) return;
     await post("robot/disable", { anyway: true });
     await loadRobot();
@@ -124,9 +124,8 @@ function slipping() {
   return {
     box,
     refresh() {
-      const { unheld, state: now } = state.robot;
-      box.hidden = !unheld.length || now !== "holding";
-      say(said, `${told()}. Its motor holds it, and power stays. Support the arm, then disable it.`);
+      box.hidden = !sinking(state.robot);
+      say(said, `${inBrakes(state.robot)}. Its motor holds it, and power stays. Support the arm, then disable it.`);
       button.disabled = !mayCommand(client);
     },
   };
