@@ -25,6 +25,7 @@ from pa10d.api.access import Access
 from pa10d.api.app import create_app
 from pa10d.api.listeners import LARGEST, listeners
 from pa10d.common.errors import UserError
+from pa10d.common.terminal import hang_up_ends
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.night import Secret
 from pa10d.daemon.presence import Presence, announced, present
@@ -63,13 +64,16 @@ class Settings:
 
 
 def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
-    """Until told to end (SIGTERM, SIGINT); the arm is at rest then, brakes on."""
+    """Until told to end (SIGTERM, SIGINT, the end of its terminal); the arm is at rest then, brakes
+    on."""
     if settings.host not in LOOPBACK and not settings.tokens:
         raise UserError(
             f"--host {settings.host}: other machines could command the arm; expected a loopback "
             "address, or tokens (--token-file, PA10D_TOKEN)"
         )
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    ends = [signal.SIGTERM, *([signal.SIGHUP] if hang_up_ends() else [])]
+    for number in ends:
+        signal.signal(number, lambda *_: sys.exit(0))
     signal.signal(signal.SIGUSR1, signal.SIG_IGN)  # all our processes inherit it; control stops
     _open_files()
     logging.basicConfig(format="%(name)s: %(message)s", stream=sys.stderr)
@@ -107,7 +111,8 @@ def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
             threading.Thread(target=_end_with_input, daemon=True).start()
         server = _Server(config, daemon)
         # uvicorn raises it once more when it is down: there is still something to clear away
-        signal.signal(signal.SIGTERM, server.handle_exit)
+        for number in ends:
+            signal.signal(number, server.handle_exit)
         server.run(sockets=[listener])
 
 

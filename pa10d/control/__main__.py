@@ -12,6 +12,7 @@ from pathlib import Path
 
 from backends.registry import open_backend
 from pa10d.common.errors import UserError
+from pa10d.common.terminal import leave_terminal_to_daemon
 from pa10d.control.build import build_arm, servo_factory
 from pa10d.control.commands import Commands
 from pa10d.control.faults import LONGEST
@@ -32,7 +33,7 @@ def main() -> None:
     parser.add_argument("--pipe", type=int, required=True, help="descriptor of the command pipe")
     given = parser.parse_args()
     logging.basicConfig(level=logging.WARNING, format="control: %(message)s")
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    leave_terminal_to_daemon()
     faulthandler.enable()  # where it hung stands in the log, when the daemon ends it for that
     connection = socket.socket(fileno=given.pipe)
     try:

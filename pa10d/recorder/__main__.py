@@ -10,6 +10,7 @@ from pathlib import Path
 
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
+from pa10d.common.terminal import leave_terminal_to_daemon
 from pa10d.control.mailbox import Mailbox
 from pa10d.control.ring import Ring
 from pa10d.profile import Profile
@@ -30,8 +31,8 @@ def main() -> None:
     parser.add_argument("--pipe", type=int, required=True, help="descriptor of the command pipe")
     given = parser.parse_args()
     logging.basicConfig(level=logging.WARNING, format="recorder: %(message)s")
-    for number in (signal.SIGINT, signal.SIGTERM):  # it ends when the daemon's pipe does
-        signal.signal(number, signal.SIG_IGN)
+    leave_terminal_to_daemon()
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # it ends when the daemon's pipe does
     profile = Profile.model_validate_json(given.profile.read_text())
     ring = Ring.attach(given.ring)
     recorder = Recorder(ring, RunStore(given.data), profile, tuple(given.joints))

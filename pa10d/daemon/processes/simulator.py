@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from backends.arm_lock import Held, arm_leaves, arm_lock, is_simulated, refuse_arm_of_others
 from pa10d.common.errors import UserError
 from pa10d.common.shortage import Short, starting
+from pa10d.common.terminal import leave_terminal_to_daemon
 from pa10d.daemon.offline import SLOW
 from pa10d.daemon.processes.child import ENVIRONMENT
 from pa10d.profile import Profile
@@ -227,7 +228,7 @@ def main() -> None:
     parser.add_argument("--alive", type=int, required=True, help="closed when the daemon ends")
     parser.add_argument("--daemon", type=int, help="process that it is for alone")
     given = parser.parse_args()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    leave_terminal_to_daemon()
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     profile = Profile.model_validate_json(sys.stdin.read())
     try:

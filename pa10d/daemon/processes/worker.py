@@ -26,6 +26,7 @@ from pa10d.common.disk import disk_words, of_the_disk
 from pa10d.common.errors import NoRoom, Taken, Unsound, UserError
 from pa10d.common.jsonable import JsonObject, plain
 from pa10d.common.loading import loading
+from pa10d.common.terminal import leave_terminal_to_daemon
 
 FIRST_TO_GO = 600  # oom_score_adj; the service itself is below 0
 ALLOWED = ("pa10d.daemon.jobs.tasks", "pa10d.services.")
@@ -46,7 +47,7 @@ def main() -> None:
     parser.add_argument("--memory", type=int, required=True, help="bytes it may take")
     given = parser.parse_args()
     logging.basicConfig(level=logging.INFO, format="worker: %(message)s")
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    leave_terminal_to_daemon()
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     os.nice(given.nice)
     restrain(given.memory)
