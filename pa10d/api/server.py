@@ -26,6 +26,7 @@ from pa10d.api.app import create_app
 from pa10d.api.listeners import LARGEST, listeners
 from pa10d.common.errors import UserError
 from pa10d.common.terminal import hang_up_ends
+from pa10d.common.unhurried_log import log_unhurried
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.night import Secret
 from pa10d.daemon.presence import Presence, announced, present
@@ -76,7 +77,7 @@ def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
         signal.signal(number, lambda *_: sys.exit(0))
     signal.signal(signal.SIGUSR1, signal.SIG_IGN)  # all our processes inherit it; control stops
     _open_files()
-    logging.basicConfig(format="%(name)s: %(message)s", stream=sys.stderr)
+    log_unhurried("%(name)s: %(message)s")
     logging.getLogger("pa10d").setLevel(logging.INFO)
     with contextlib.ExitStack() as stack:
         listener = stack.enter_context(_listen(settings.host, settings.port))
@@ -103,8 +104,9 @@ def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
                 print(f"pa10d serves {profile.name} on {url}", file=sys.stderr, flush=True)
 
         config = uvicorn.Config(
-            create_app(daemon, access, ready), log_level="warning", lifespan="on", loop="asyncio",
-            server_header=False, access_log=False, timeout_graceful_shutdown=MAY_TAKE,
+            create_app(daemon, access, ready), log_level="warning", log_config=None,
+            lifespan="on", loop="asyncio", server_header=False, access_log=False,
+            timeout_graceful_shutdown=MAY_TAKE,
             ws=listeners(), ws_max_size=LARGEST, ws_per_message_deflate=False,
         )  # fmt: skip
         if settings.attached:

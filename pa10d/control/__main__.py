@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import faulthandler
-import logging
 import os
 import signal
 import socket
@@ -13,6 +12,7 @@ from pathlib import Path
 from backends.registry import open_backend
 from pa10d.common.errors import UserError
 from pa10d.common.terminal import leave_terminal_to_daemon
+from pa10d.common.unhurried_log import log_unhurried
 from pa10d.control.build import build_arm, servo_factory
 from pa10d.control.commands import Commands
 from pa10d.control.faults import LONGEST
@@ -32,7 +32,7 @@ def main() -> None:
     parser.add_argument("--ring", type=Path, required=True)
     parser.add_argument("--pipe", type=int, required=True, help="descriptor of the command pipe")
     given = parser.parse_args()
-    logging.basicConfig(level=logging.WARNING, format="control: %(message)s")
+    log_unhurried("control: %(message)s")
     leave_terminal_to_daemon()
     faulthandler.enable()  # where it hung stands in the log, when the daemon ends it for that
     connection = socket.socket(fileno=given.pipe)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import logging
 import signal
 import socket
 from pathlib import Path
@@ -11,6 +10,7 @@ from pathlib import Path
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.common.terminal import leave_terminal_to_daemon
+from pa10d.common.unhurried_log import log_unhurried
 from pa10d.control.mailbox import Mailbox
 from pa10d.control.ring import Ring
 from pa10d.profile import Profile
@@ -30,7 +30,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--pipe", type=int, required=True, help="descriptor of the command pipe")
     given = parser.parse_args()
-    logging.basicConfig(level=logging.WARNING, format="recorder: %(message)s")
+    log_unhurried("recorder: %(message)s")
     leave_terminal_to_daemon()
     signal.signal(signal.SIGTERM, signal.SIG_IGN)  # it ends when the daemon's pipe does
     profile = Profile.model_validate_json(given.profile.read_text())

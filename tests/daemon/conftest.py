@@ -33,6 +33,7 @@ class Bench:
         few = clock == "simulated"  # joints, sooner computed; what passes by itself costs nothing
         self.arm = ["--profile", str(small_arm(data))] if few else []
         self.nodes = (1, 2, 4) if few else range(1, 8)
+        self.messages: int | None = None  # where the daemon's go, by itself to those of the tests
         self.simulator: subprocess.Popen | None = None
         self.server: subprocess.Popen | None = None
         self._stack = contextlib.ExitStack()
@@ -65,8 +66,9 @@ class Bench:
         options = ["--data", str(self.data), "--json", "serve", "--port", "0", "--no-sim"]
         options += [*self.arm, "--channel", self.channel, "--clock", self.clock]
         self.server = subprocess.Popen(
-            [sys.executable, "-m", "pa10d", *options], stdout=subprocess.PIPE, text=True
-        )
+            [sys.executable, "-m", "pa10d", *options], stdout=subprocess.PIPE, text=True,
+            stderr=self.messages,
+        )  # fmt: skip
         return str(json.loads(self.server.stdout.readline())["url"])
 
     def pid_of(self, module: str) -> int:

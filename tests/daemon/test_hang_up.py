@@ -1,7 +1,9 @@
-"""The terminal of a daemon is closed, or its user types Ctrl-Z, while the arm moves."""
+"""The terminal of a daemon is closed, or stopped, or its user types Ctrl-Z, while the arm moves."""
 
 from __future__ import annotations
 
+import contextlib
+import os
 import signal
 import time
 
@@ -47,4 +49,27 @@ def test_a_daemon_that_is_suspended_for_a_moment_goes_on(bench):
     bench.client.cancel(job["id"])
     with pytest.raises(JobFailed):
         bench.client.wait(job)
+    bench.recover()
+
+
+def test_a_fault_is_no_later_where_nobody_reads_of_it(bench):
+    """As behind Ctrl-S, or a pager that was not asked to go on."""
+    bench.tell_daemon_to_end()
+    bench.wait_for_its_end(60)
+    reading, bench.messages = os.pipe()
+    bench.start_daemon()
+    os.set_blocking(bench.messages, False)
+    with contextlib.suppress(BlockingIOError):
+        while True:
+            os.write(bench.messages, b"x" * 512)
+    os.set_blocking(bench.messages, True)
+    try:
+        bench.start_moving(MOVES, cycles=400)
+        bench.kill_simulator()
+        assert bench.client.wait_for_robot("fault", timeout=20)["fault"]["kind"] == "silent"
+    finally:
+        for end in (reading, bench.messages):
+            os.close(end)
+        bench.messages = None
+    bench.mend()
     bench.recover()

@@ -18,6 +18,7 @@ from backends.arm_lock import Held, arm_leaves, arm_lock, is_simulated, refuse_a
 from pa10d.common.errors import UserError
 from pa10d.common.shortage import Short, starting
 from pa10d.common.terminal import leave_terminal_to_daemon
+from pa10d.common.unhurried_log import log_unhurried
 from pa10d.daemon.offline import SLOW
 from pa10d.daemon.processes.child import ENVIRONMENT
 from pa10d.profile import Profile
@@ -229,6 +230,7 @@ def main() -> None:
     parser.add_argument("--daemon", type=int, help="process that it is for alone")
     given = parser.parse_args()
     leave_terminal_to_daemon()
+    log_unhurried("%(name)s: %(message)s")
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     profile = Profile.model_validate_json(sys.stdin.read())
     try:

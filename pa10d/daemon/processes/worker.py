@@ -27,6 +27,7 @@ from pa10d.common.errors import NoRoom, Taken, Unsound, UserError
 from pa10d.common.jsonable import JsonObject, plain
 from pa10d.common.loading import loading
 from pa10d.common.terminal import leave_terminal_to_daemon
+from pa10d.common.unhurried_log import log_unhurried
 
 FIRST_TO_GO = 600  # oom_score_adj; the service itself is below 0
 ALLOWED = ("pa10d.daemon.jobs.tasks", "pa10d.services.")
@@ -46,7 +47,7 @@ def main() -> None:
     parser.add_argument("--nice", type=int, required=True)
     parser.add_argument("--memory", type=int, required=True, help="bytes it may take")
     given = parser.parse_args()
-    logging.basicConfig(level=logging.INFO, format="worker: %(message)s")
+    log_unhurried("worker: %(message)s", logging.INFO)
     leave_terminal_to_daemon()
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     os.nice(given.nice)
