@@ -319,9 +319,13 @@ class Arm:
         """N·m (n,) by the description, as far as it is believed."""
         return self._share * self._gravity(q)
 
+    def _stopped_by(self) -> str:
+        return "" if self.fault is None else self.fault.sentence
+
     def use(self, controller: Controller) -> None:
         """Another control law, without a step in torque, or refused."""
-        require("controller", self.state, ArmState.INACTIVE, ArmState.HOLDING)
+        able = (ArmState.INACTIVE, ArmState.HOLDING)
+        require("controller", self.state, *able, stopped_by=self._stopped_by())
         self._admit("controller", controller)
         before = self.path.controller
         self.path.use(controller)
@@ -331,7 +335,7 @@ class Arm:
 
     def run(self, motion: MotionUnderWay) -> None:
         """holding → running."""
-        require("run", self.state, ArmState.HOLDING)
+        require("run", self.state, ArmState.HOLDING, stopped_by=self._stopped_by())
         path = self.path
         wrong = wrong_with_rows(
             motion.rows, motion.first, motion.last, path.reference.q, path.limits,

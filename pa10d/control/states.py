@@ -60,8 +60,10 @@ class Refused(Exception):
         super().__init__(f"{command}: {why if state in needed else reason}")
 
 
-def require(command: str, state: ArmState, *needed: ArmState) -> None:
-    """Raise Refused unless ``state`` is one of ``needed``."""
+def require(command: str, state: ArmState, *needed: ArmState, stopped_by: str = "") -> None:
+    """Raise Refused unless ``state`` is one of ``needed``. stopped_by: the fault that stops an arm,
+    if one does: rest is not what has to be waited for."""
     if state not in needed:
-        why = "there is no fault to leave" if command == "reset" else ""
+        why = stopped_by if state == ArmState.STOPPING else ""
+        why = "there is no fault to leave" if command == "reset" else why
         raise Refused(command, state, needed, why)

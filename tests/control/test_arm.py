@@ -138,6 +138,28 @@ def test_axis_fault_stops_the_others_and_stays():
     assert arm.fault is None
 
 
+def test_what_a_fault_refuses_is_refused_by_its_name():
+    arm, backend = holding_arm()
+    arm.run(swing(arm.path.reference.q))
+    cycles(arm, 400)
+    backend.fail["read"] = [BackendFault("joint 2: overcurrent", axis=1, kind="drive_fault")]
+    cycles(arm, 1)
+    assert arm.state == STOPPING
+    for command in (arm.run, arm.use):
+        with pytest.raises(Refused, match="joint 2: overcurrent"):
+            command(swing(arm.path.reference.q))
+
+
+def test_a_stop_that_was_asked_for_is_waited_for():
+    arm, _ = holding_arm()
+    arm.run(swing(arm.path.reference.q))
+    cycles(arm, 400)
+    arm.stop()
+    assert arm.state == STOPPING
+    with pytest.raises(Refused, match="wait until the arm is at rest"):
+        arm.run(swing(arm.path.reference.q))
+
+
 def test_bus_fault_leaves_the_stop_to_the_drives():
     arm, backend = holding_arm()
     arm.run(swing(arm.path.reference.q))

@@ -51,7 +51,7 @@ def faulty(browser, tmp_path_factory):
     path = small_arm(folder)
     profile = yaml.safe_load(path.read_text())
     profile["backend"] = "faulty_arm:open_backend"
-    profile["safety"] = {"following_error": [10.0] * 3}
+    profile["safety"] = {"following_error": [3.0] * 3}
     path.write_text(yaml.safe_dump(profile))
     patch = pytest.MonkeyPatch()
     patch.setenv("PYTHONPATH", str(HERE.parent / "daemon"))

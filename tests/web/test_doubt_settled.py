@@ -42,7 +42,7 @@ def test_it_is_settled_by_motion(tmp_path, monkeypatch):
     path = small_arm(tmp_path, BRAKE)
     data = tmp_path / "data"
     slowly = [slow_sine("fit", 0.0), slow_sine("judge", 1.0)]
-    monkeypatch.setattr(motions, "_asked", lambda *_: [*slowly, (motions.FRESH, "fresh")])
+    monkeypatch.setattr(motions, "_asked", lambda *_, **__: [*slowly, (motions.FRESH, "fresh")])
     state, _ = begin(str(data), str(path), minutes=10)
     with local_daemon(data, str(path), clock="simulated") as client:
         client.wait_for_robot("inactive", timeout=240)
