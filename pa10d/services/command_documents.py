@@ -314,13 +314,31 @@ class LawInForce(Document):
     state: str
 
 
+class FaultTold(Document):
+    """The fault in which an arm is. joint: from 1, None: the whole arm; state: the arm's when it
+    happened; time: s on the loop's clock; device: said by a drive or the bus; hertz: of an
+    oscillation, else 0; was_there: nothing bars the way to where the joint should go."""
+
+    kind: str
+    cause: str
+    joint: int | None
+    remedy: str
+    sentence: str
+    state: str
+    time: float
+    sequence: int
+    device: bool
+    hertz: float
+    was_there: bool
+
+
 class RobotTold(Document):
     """Of ``robot …``. doubts: sentences about joints outside their limits, that stand elsewhere
     than they stood, or that their brakes do not hold."""
 
     profile: str
     state: str
-    fault: JsonObject | None
+    fault: FaultTold | None
     offline_reason: str | None
     doubts: list[str]
 

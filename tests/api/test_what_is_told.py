@@ -5,7 +5,8 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 from pa10d.api.app import create_app
-from pa10d.services.command_documents import KINDS_OF_DOCUMENT, schema_of
+from pa10d.api.schemas.arm import Fault
+from pa10d.services.command_documents import KINDS_OF_DOCUMENT, FaultTold, schema_of
 
 SAYS_NOTHING = {"title", "description", "default", "deprecated", "examples"}
 FREE = {
@@ -46,3 +47,7 @@ def test_what_goes_over_http_has_fields():
 def test_what_commands_print_has_fields():
     schemas = {name: schema_of(name) for name in KINDS_OF_DOCUMENT}
     assert set().union(*(free(schema, name) for name, schema in schemas.items())) <= FREE
+
+
+def test_a_fault_is_told_alike_over_http_and_by_commands():
+    assert FaultTold.model_fields.keys() == Fault.model_fields.keys()
