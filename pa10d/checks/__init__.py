@@ -21,6 +21,7 @@ from pa10d.measurement.recording import Recording
 from pa10d.measurement.sampling import Timing
 
 __all__ = [
+    "OF_ONE_TORQUE",
     "CheckFinding",
     "Delay",
     "Known",

@@ -14,7 +14,7 @@ import sys
 from collections.abc import Sequence
 from types import ModuleType
 
-from pa10d.cli.answer import Answer, print_answer, print_failure
+from pa10d.cli.answer import Answer, note, print_answer, print_failure
 from pa10d.cli.commands import Subcommands, WrongUsage, current, refuse_unwritable, root_parser
 from pa10d.cli.completion import complete
 from pa10d.cli.parser import Parser
@@ -63,6 +63,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print_failure(str(error), options.json)
         return MISUSED
     except Unsound as error:
+        for finding in error.warnings:
+            note(f"warning: {finding['sentence']} → {finding['advice']}")
         print_failure(f"{error} (--force)", options.json, findings=error.findings)
     except UserError as error:
         print_failure(f"{error}{default_named(options, str(error))}", options.json)

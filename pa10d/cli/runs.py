@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Subcommands, WrongUsage, profile_option, replace_option
 from pa10d.common.errors import UserError
+from pa10d.common.words import joint_words
 
 if TYPE_CHECKING:
     from pa10d.checks import CheckFinding
@@ -294,11 +295,18 @@ def _brief(info: RunInfo) -> dict[str, object]:
 
 
 def _described(info: RunInfo) -> dict[str, object]:
+    from pa10d.checks import CheckFinding
+
     shown = info.document()
     shown |= {"duration": f"{info.duration:.3f} s", "rate": f"{info.rate:.6g} Hz"}
     for key in ("joints", "channels", "tags"):
         shown[key] = ", ".join(shown[key])
-    shown["warnings"] = "".join(f"\n  {warning}" for warning in info.warnings)
+    if info.unit_given:
+        shown["unit_given"] = joint_words(info.unit_given)
+    shown["excluded"] = ", ".join(f"{begin:g} to {end:g} s" for begin, end in info.excluded)
+    findings = (str(CheckFinding(**one)) for one in info.findings or ())
+    for key, said in (("warnings", info.warnings), ("findings", findings)):
+        shown[key] = "".join(f"\n  {line}" for line in said)
     del shown["format"]
     return shown
 

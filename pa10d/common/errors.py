@@ -39,6 +39,11 @@ class Unsound(UserError):
         super().__init__(message)
         self.findings = findings
 
+    @property
+    def warnings(self) -> list[JsonObject]:
+        """Those that would be mended with the errors, and are not in the message."""
+        return [finding for finding in self.findings if finding["severity"] == "warning"]
+
 
 class Stopped(UserError):
     """Somebody wished what was under way to end: nothing went wrong."""

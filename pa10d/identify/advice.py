@@ -26,6 +26,13 @@ FEW_REVERSALS = 2
 UNCERTAIN = 0.3  # standard error over value
 COSTLY = 0.02  # share of RMS that feasibility may add unmentioned
 NEGLIGIBLE = 1e-4  # of the torque: an error that nobody minds
+DRIVEN_SURE = (
+    4.0  # standard errors of friction that drives its joint, beyond which its sign is doubted
+)
+TURNED = (
+    "friction would drive this joint: does its torque, or its angle, count the other way than the "
+    "URDF has it (a check of the run tells)"
+)
 ASK = "whether an effect is missing, a diagnosis says"  # on motion that no fit has seen
 NAMED = 6  # parameters named in one sentence
 
@@ -83,12 +90,19 @@ def _bounds(layout: Layout, fit: Fit, feasible: FeasibleModel) -> Iterator[str]:
         yield "no feasible standard parameters were found: the search for them did not converge"
         return
     sizes = np.sqrt(np.maximum(np.diag(fit.uncertainty.covariance), 0.0))
+    dry = {
+        k
+        for term, place in zip(layout.terms, layout.places, strict=True)
+        if term.effect.id == "coulomb"
+        for k in range(place.start, place.stop)
+    }
     for k, name in enumerate(layout.names()[start:], start=start):
         bound = feasible.coefficients[k - start]
         if beta[k] < 0 <= bound and abs(bound) < 1e-6 * (abs(beta[k]) + sizes[k]):
+            drives = k in dry and -beta[k] > DRIVEN_SURE * sizes[k]
             yield (
                 f"{name} is {beta[k]:.3g} in the free fit and 0, its bound, in the feasible one: "
-                f"as it is, nothing can have it; {ASK}"
+                f"as it is, {TURNED if drives else 'nothing can have it'}; {ASK}"
             )
     cost = feasible.rms / np.maximum(fit.rms, 1e-300) - 1.0
     costly = np.flatnonzero((cost > COSTLY) & (feasible.rms > NEGLIGIBLE * fit.torque))

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from pa10d.checks import (
+    OF_ONE_TORQUE,
     CheckFinding,
     Known,
     beyond_limits,
@@ -81,7 +82,7 @@ def import_run(
     findings = [in_own_words(finding, found, robot.n) for finding in checked]
     errors = [finding for finding in findings if finding.severity == "error"]
     if check and errors and not force:
-        raise unsound(file.name, errors)
+        raise unsound(file.name, errors, _also_wrong(findings))
     limits = [f"{file.name}: {finding.sentence}" for finding in beyond_limits(recording, robot)]
     said = [*found.header_warnings, *found.timing_warnings, *limits]
     with store.building(
@@ -100,6 +101,14 @@ def import_run(
         writer.append(found.samples)
     kept = keep_mapping(store.folder.parent, profile, mapping) if mapping else ""
     return Imported(writer.info, found.header_warnings, findings, kept, found.another)
+
+
+def _also_wrong(findings: Sequence[CheckFinding]) -> list[CheckFinding]:
+    """Warnings that no error is the cause of: all, where each error is one torque's own."""
+    errors = (finding for finding in findings if finding.severity == "error")
+    if all(error.code in OF_ONE_TORQUE for error in errors):
+        return [finding for finding in findings if finding.severity == "warning"]
+    return []
 
 
 def check_run(store: RunStore, run: str, robot: Robot, profile: Profile) -> list[CheckFinding]:

@@ -66,10 +66,12 @@ def refuse_unsound(
             raise unsound(f"run {info.name!r}", errors)
 
 
-def unsound(what: str, errors: Sequence[CheckFinding]) -> UserError:
-    """One line for all of it, the findings beside."""
+def unsound(
+    what: str, errors: Sequence[CheckFinding], warnings: Sequence[CheckFinding] = ()
+) -> UserError:
+    """One line for all errors; the findings beside, with what else has to be mended."""
     said = "; ".join(f"{e.sentence}{f' → {e.advice}' if e.advice else ''}" for e in errors)
     return Unsound(
         f"{what}: {said}. A fit would be wrong: mend the recording, or force it",
-        [error.document() for error in errors],
+        [finding.document() for finding in (*errors, *warnings)],
     )

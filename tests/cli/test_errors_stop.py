@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from test_run_commands import URDF
 
+import pa10d.services.runs as services_runs
+from pa10d.checks import CheckFinding
 from pa10d.cli import main
 from pa10d.client import Client
 from pa10d.common.errors import UserError
@@ -68,6 +70,20 @@ def test_a_checked_import_stores_nothing_that_a_fit_must_not_use(place, capsys):
     assert RunStore().all() == []
     assert _import("degrees", "--check", "--force") == 0
     assert [info.name for info in RunStore().all()] == ["degrees"]
+
+
+def test_what_else_has_to_be_mended_is_said_of_a_refused_recording(place, capsys, monkeypatch):
+    found = [
+        CheckFinding("error", "dull", "joint 1: too dull", "record it finer", 1),
+        CheckFinding("warning", "turned", "joint 2: tau counts the other way", "--map …", 2),
+    ]
+    monkeypatch.setattr(services_runs, "findings_of", lambda *_, **__: found)
+    assert _import("sound", "--check", "--json") == 1
+    said = capsys.readouterr()
+    assert "warning: joint 2: tau counts the other way → --map …" in said.err
+    document = json.loads(said.out)
+    assert "joint 2" not in document["error"]
+    assert [f["code"] for f in document["findings"]] == ["dull", "turned"]
 
 
 def test_no_fit_takes_a_run_with_an_error_unless_forced(place, capsys):

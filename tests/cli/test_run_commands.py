@@ -67,6 +67,21 @@ def test_import_show_list_export_delete(place, capsys):
     assert _json(capsys, "run", "list")[0] == []
 
 
+def test_what_the_checks_said_is_shown_in_lines(place, capsys):
+    main(["run", "import", "rec.csv", "--profile", "two.yaml", "--check"])
+    info = RunStore().find("rec")
+    assert info.findings
+    store = RunStore()
+    info.but(excluded=((0.5, 0.75),), unit_given=(0, 1)).save(store.path(info))
+    capsys.readouterr()
+    assert main(["run", "show", "rec"]) == 0
+    shown = capsys.readouterr().out
+    first = info.findings[0]
+    assert f"findings: \n  {first['severity']}: {first['sentence']}" in shown
+    assert "excluded: 0.5 to 0.75 s\n" in shown
+    assert "unit_given: joints 1 and 2\n" in shown
+
+
 def test_export_refuses_to_overwrite_the_source(place, capsys):
     main(["run", "import", "rec.csv", "--profile", "two.yaml"])
     before = (place / "rec.csv").read_bytes()

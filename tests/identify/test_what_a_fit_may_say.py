@@ -58,6 +58,13 @@ def test_a_fit_that_bodies_cannot_follow_claims_no_missing_effect():
     assert all(
         one.endswith("whether an effect is missing, a diagnosis says") for one in said(feasible)
     )
+    rubs = Term("coulomb", (0,), np.zeros(1))
+    layout.terms, layout.places = (rubs,), (slice(0, 1),)
+    assert "does its torque, or its angle, count the other way" in said(feasible)[0]
+    fit.uncertainty.covariance = np.array([[0.0121]])
+    assert "nothing can have it" in said(feasible)[0], "four standard errors are not reached"
+    layout.terms, layout.places = (), ()
+    fit.uncertainty.covariance = np.array([[1e-6]])
     feasible.converged = False
     assert said(feasible)[1:] == [f"{left}the search for better ones did not converge"]
     feasible.converged = True
