@@ -5,6 +5,8 @@ from __future__ import annotations
 import fcntl
 import logging
 import os
+import subprocess
+import sys
 
 import pytest
 
@@ -56,3 +58,63 @@ def test_what_cannot_be_put_into_words_ends_nothing():
     handler.emit(logging.LogRecord("x", logging.WARNING, "", 0, "%d", ("no number",), None))
     handler.emit(record("goes on"))
     assert os.read(reading, 1 << 12).decode().splitlines()[0] == "goes on"
+
+
+def test_a_terminal_that_never_waits_is_waited_for(full):
+    """Whoever shares it may have it so: the rest of a message was dropped."""
+    reading, writing = full
+    os.set_blocking(writing, False)
+    handler = UnhurriedHandler(writing)
+    handler.emit(record("is told all the same"))
+    handler.wait(0.05)
+    said = os.read(reading, 1 << 16)
+    handler.emit(record("the last one"))
+    while not said.endswith(b"one\n"):
+        said += os.read(reading, 1 << 16)
+    assert said.lstrip(b"x").decode().splitlines() == ["is told all the same", "the last one"]
+
+
+LOGS = """
+import logging, os
+from pa10d.common.unhurried_log import log_unhurried
+log_unhurried("worker: %(message)s")
+"""
+
+SHARES = (
+    LOGS
+    + """
+from pa10d.common.parallel import shared_map
+os.sched_getaffinity = lambda pid: {0, 1}
+
+def say(number):
+    logging.warning("said %d", number)
+    return os.getpid()
+
+print(len(set(shared_map(say, [0, 1, 2, 3]))))
+"""
+)
+
+
+def carried_out(program, **how):
+    command = [sys.executable, "-c", program]
+    return subprocess.run(command, check=False, timeout=20, **how)
+
+
+@pytest.mark.timeout(30)
+def test_a_process_that_logs_so_still_shares_out_what_it_computes():
+    """Its thread counted: every diagnosis by a daemon ran on one processor from then on."""
+    ended = carried_out(SHARES, capture_output=True, text=True)
+    assert ended.stdout == "2\n", "processes"
+    told = sorted(ended.stderr.splitlines())
+    assert told == [f"worker: said {k}" for k in range(4)], "and its child's are told, once"
+
+
+@pytest.mark.timeout(30)
+def test_what_a_process_dies_of_is_told_last(full):
+    dies = LOGS + "logging.warning('first')\nraise ValueError('no number')"
+    ended = carried_out(dies, capture_output=True, text=True)
+    told = ended.stderr.splitlines()
+    assert told[:2] == ["worker: first", "worker: ended by an error"]
+    assert told[-1] == "ValueError: no number"
+    assert ended.returncode == 1
+    assert carried_out(dies, stderr=full[1]).returncode == 1, "nobody reads, and it ends"

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import logging
 import os
 import pickle
 import signal
@@ -161,5 +162,6 @@ def _as_child(function: Callable[[T], R], items: Sequence[T], sink: int) -> NoRe
             told = error
         with os.fdopen(sink, "wb") as answers:
             pickle.dump(told, answers, pickle.HIGHEST_PROTOCOL)
+        logging.shutdown()  # what it has to say waits in the process, as its parent's
     finally:
         os._exit(0)
