@@ -282,6 +282,8 @@ class Effect(ABC):
     commanded: ClassVar[bool] = True  # a controller has to ask for this torque, too
     remembers: ClassVar[str] = ""  # what its torque depends on beside this instant, and what is
     # taken for it where samples stand apart
+    forgets_within: ClassVar[float] = 0.0  # times its first coefficient (s) after which what a
+    # torque was no longer shows in its reading
     escapes_demo: ClassVar[str] = ""  # why the demo's experiments may not show it
     view: ClassVar[View | None] = None  # None: as the example is drawn
     derived: ClassVar[Mapping[str, tuple[str, ...]]] = {}  # of what it tells: from which of its

@@ -148,5 +148,5 @@ def test_and_where_they_do_not_both_are_named():
     (other,) = kinds_untold(state, index, index)
     assert _of_kinds(state.terms[index], [other]) == (
         " Whether it is late as a whole or behind a low-pass of first order, this data does not "
-        "tell."
+        f"tell; behind a low-pass of first order, Td would be {other.coefficients[0]:.3g} s."
     )

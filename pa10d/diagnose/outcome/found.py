@@ -8,6 +8,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from pa10d.common.words import listed
 from pa10d.diagnose.constants import SIZED_LEVEL
 from pa10d.diagnose.outcome.diagnosis import Confusion, Finding
 from pa10d.diagnose.outcome.next_experiment import settle_doubt
@@ -27,7 +28,7 @@ Array = NDArray[np.float64]
 NOT_ONE = (
     " Not one of its numbers is determined: that something acts like it is all that this data says."
 )
-KIND = " Whether it is {one} or {other}, this data does not tell."
+KIND = " Whether it is {one} or {other}, this data does not tell; {other}, {numbers}."
 NOT_BEYOND = "it lies inside, and what this effect has beyond it is zero by its own errors"
 
 
@@ -88,14 +89,22 @@ def finding(search: Search, given: int, index: int, versions: Sequence[TorqueMod
 
 
 def _of_kinds(term: Term, others: Sequence[Term]) -> str:
-    """What choices mean that this data cannot tell from those that were made; nothing where they
-    have no words."""
+    """What choices mean that this data cannot tell from those that were made, and what numbers
+    belong to them: an error of either kind knows nothing of the other. Nothing where they have no
+    words."""
     said = ""
     for other in others:
         for choice in (s for s in term.effect.shapes if s.says):
             one, two = (choice.says.get(t.shape.get(choice.name, 0.0)) for t in (term, other))
-            said += KIND.format(one=one, other=two) if one and two and one != two else ""
+            if one and two and one != two:
+                said += KIND.format(one=one, other=two, numbers=_would_be(other))
     return said
+
+
+def _would_be(term: Term) -> str:
+    """Its coefficients, "Td would be 0.0203 s"."""
+    pairs = zip(term.effect.coefficients, term.coefficients, strict=True)
+    return listed([f"{c.name} would be {value:.3g} {c.unit}" for c, value in pairs])
 
 
 def _without(state: SearchState, index: int, before: Array) -> Array:

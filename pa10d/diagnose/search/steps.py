@@ -41,6 +41,7 @@ from pa10d.diagnose.search.corners import (
 from pa10d.diagnose.search.dead_bands import Bands, dead_bands
 from pa10d.diagnose.search.harm import harmful, rms, spoils, taken_by, turns_worse
 from pa10d.diagnose.search.judging import JudgedCandidate, Judging, Place, Suspects
+from pa10d.diagnose.search.lateness import with_delays_followed
 from pa10d.diagnose.search.looking import (
     absorbed_rivals,
     bent_rivals,
@@ -50,6 +51,7 @@ from pa10d.diagnose.search.looking import (
     still_tied,
 )
 from pa10d.diagnose.search.pairs import pair_beside
+from pa10d.diagnose.search.possible import through_impossible_bodies
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.refitting import settled
 from pa10d.diagnose.search.rivals import of_another_kind, rather, rival_yet
@@ -116,7 +118,7 @@ class Search:
             refused |= self.prune()
             self._forward(steps, refused)
             self._without_unsure(steps, refused)
-        moved = [self._in_time(), self._behind_channel(), self._where_shared_slips()]
+        moved = [self._in_time(), self._behind_channel(), self._where_known()]
         if any(moved):
             self._forward(steps, refused)
             self._without_unsure(steps, refused)
@@ -133,14 +135,17 @@ class Search:
         most = max(LEAST_STEPS, STEPS_PER_JOINT * self.state.train.n)
         return most if steps is None else steps
 
-    def _where_shared_slips(self) -> bool:
-        """Look at no moments any more in which what joints share sticks, now that it is known."""
-        without = self.state.where_shared_slips()
+    def _where_known(self) -> bool:
+        """Look at no moments any more in which what joints share sticks, or of which a late torque
+        tells of a rest, now that these are known."""
+        without = self.state.where_known()
         if without is self.state:
             return False
-        self.state = without
+        self.state = with_delays_followed(without, self.fixed)
         self.settle()
+        self.state = with_delays_followed(self.state, self.fixed)
         self.prune()
+        self._exchanged()
         return True
 
     def _exchanged(self) -> bool:
@@ -298,6 +303,8 @@ class Search:
                 self.followed -= {*chosen.candidate.joints}
             else:
                 self.followed.clear()
+            if chosen.candidate.effect.forgets_within:  # else others imitate what its rests left
+                self._where_known()
             refused |= dropped | self.reconsider()
             self.steps.append(Addition(chosen, tied, before, rms(self.state.held_residual())))
             added, put_off = added + 1, set()
@@ -358,6 +365,8 @@ class Search:
             self._call_by_name()
             dropped = self.prune()
             if chosen.place in dropped or spoils(saved, self.state):
+                continue
+            if through_impossible_bodies(saved, self.state):
                 continue
             if not turns_worse(saved, self.state):
                 return dropped
