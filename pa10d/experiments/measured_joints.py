@@ -55,6 +55,12 @@ def measured_figures(
     }
     _refuse_blocked(friction)
     seen = [(one.q, one.torque, one.rate) for one in parts.values()]
+    if "sliding" in parts and "response" not in parts:
+        friction |= {
+            j: replace(friction[j], viscous=found.viscous)
+            for j in range(robot.n)
+            if (found := _slid_shortly(parts["sliding"], robot, j, friction[j].coulomb))
+        }
     if "response" not in parts:
         surer = {j: replace(f, viscous=FEW * f.viscous) for j, f in friction.items()}
         half = with_friction(presumed.but(doubt=HALF_KNOWN * np.ones(robot.n)), surer)
@@ -224,6 +230,17 @@ def _slid(
         return found
     own = likely_figures(robot).rotor[j] + mass_matrices(robot, seen.q[cut][:1])[0, j, j]
     return friction_of(q, torque, seen.rate, float(own)), None
+
+
+def _slid_shortly(seen: Seen, robot: Robot, j: int, dry: float) -> Friction | None:
+    """From the short strokes of joint j (0-based); None where it has none, or stuck in them."""
+    spans = [span for span in seen.plan.spans if span.label == f"joint {j + 1} short"]
+    if not spans:
+        return None
+    cut = seen.between(spans[0].begin - AROUND, spans[-1].end + AROUND)
+    softest = SOFTEST * robot.effort[j] if np.isfinite(robot.effort[j]) else 0.0
+    found = slid_friction(seen.q[cut, j], seen.torque[cut, j], seen.rate, softest, dry)
+    return None if found is None else found[0]
 
 
 def _counts(q: Array) -> float:

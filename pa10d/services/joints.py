@@ -66,6 +66,8 @@ LARGEST = 4 << 20  # bytes of what is kept of an arm's joints
 FASTER = (125.0, 200.0, 250.0, 333.0, 400.0, 500.0, 1000.0)  # Hz that are offered
 SOFTEST = 0.01  # of the inertia that is known, that a swing may be explained by
 EXPLAINS = 0.3  # of what pressed on a joint that fell behind: weight that was lacking on its way
+VISCOUS = 4.0  # times its dry friction: viscous friction as large in strokes, what a servo gave
+# the other way as it turns round, and as much again to move at all
 FIRMER = 1.1  # times as firm: less is the same
 NEARER = (2.0, 1.5, MEASURED)  # times lighter than is thought, that are met where more cannot be
 SLOWER, SLOWEST = 0.5, 0.25  # share of the strokes' speed, at once and at last, where no gains help
@@ -411,6 +413,25 @@ def met_nothing(profile: Profile, robot: Robot, known: KnownJoints, fault: Fault
     bound = float(arm_limits(profile, robot).following_error[fault.axis])
     pressed = robot, known.figures, known.gains, bound, fault.axis
     return fault.was_there or lightly_pressed(*pressed)
+
+
+def soft_joints(
+    data: str, profile: str, known: JsonObject, of: Sequence[int] | None = None
+) -> list[int]:
+    """See ``soft``; of: the joints that are measured, from 1; None: all."""
+    found = soft(*load_robot(profile), KnownJoints.from_document(known))
+    return [j for j in found if of is None or j in of]
+
+
+def soft(profile: Profile, robot: Robot, known: KnownJoints) -> list[int]:
+    """Joints, from 1, of whose viscous friction more has to be known before they stroke than small
+    slow motions tell: their servo, as far behind as it may be, pushes with less than that may ask
+    for; or it damps them more than their servo does."""
+    figures, gains = known.figures, known.gains
+    asks, leans = VISCOUS * figures.coulomb, figures.viscous > gains.kd
+    return [
+        j + 1 for j in range(robot.n) if leans[j] or pressed(profile, robot, known, j) < asks[j]
+    ]
 
 
 def pressed(profile: Profile, robot: Robot, known: KnownJoints, axis: int) -> float:

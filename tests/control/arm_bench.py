@@ -36,6 +36,7 @@ from pa10d.services.joints import (
     firmed,
     not_held,
     slowed,
+    soft,
     told_on_the_way,
     torque_steps,
 )
@@ -206,6 +207,10 @@ class ArmBench:
         parts, get = {}, self.ring.layout.get
         for part in PARTS:
             asked = {"kind": "first_motion", "parameters": {"part": part}}
+            if part == "sliding":
+                asked["parameters"]["joints"] = soft(self.profile, self.robot, self.known)
+                if not asked["parameters"]["joints"]:
+                    continue
             if not read_request(asked).has_any(self.around):
                 continue
             plan, rows, fault = self._measured_part(part, asked)

@@ -52,6 +52,7 @@ class Workers:
     def __init__(self, calmest, slower=False):
         self.calmest, self.slower, self.calls = calmest, slower, []
         self.unmet, self.went = [], []
+        self.more, self.soft = [], []  # parts, and joints, from 1
 
     async def run(self, what, _, **asked):
         name = what.split(":")[1]
@@ -59,7 +60,9 @@ class Workers:
         if name == "parts_to_run":
             before = known_joints(OLD).gains.document()
             told = {"begin": known(0), "before": before, "notes": self.unmet}
-            return {"parts": ["friction"], **told}
+            return {"parts": ["friction", *self.more], **told}
+        if name == "soft_joints":
+            return [j for j in self.soft if asked["of"] is None or j in asked["of"]]
         assert callable(getattr(import_module(what.split(":")[0]), name))
         if name == "way_out":
             assert Fault.from_document(asked["fault"]).joint == 2
@@ -83,12 +86,22 @@ def known(step):
 
 
 def measured(
-    monkeypatch, swings, calmest=10, fault=FAULT, slower=False, unmet=(), bandwidth_hz=4.0
+    monkeypatch,
+    swings,
+    calmest=10,
+    fault=FAULT,
+    slower=False,
+    unmet=(),
+    bandwidth_hz=4.0,
+    soft=None,
+    request=REQUEST,
 ):
     """→ the robot, the workers, and the result or the error."""
     robot, workers = Robot(swings), Workers(calmest, slower)
     workers.unmet = list(unmet)
-    robot.speeds = []
+    if soft is not None:
+        workers.more, workers.soft = ["sliding"], soft
+    robot.speeds, robot.parts = [], []
 
     class Experiment:
         falls, result = (), Outcome("first_motion")
@@ -96,7 +109,7 @@ def measured(
 
         def __init__(self, daemon, request, report, figures):
             self.request = request
-            assert request.parameters["part"] == "friction"
+            robot.parts.append((request.parameters["part"], request.parameters.get("joints")))
             robot.speeds.append(request.parameters.get("speed", 1.0))
             assert isinstance(figures, JointFigures)
 
@@ -114,7 +127,7 @@ def measured(
         robot=robot, workers=workers, data="data", profile=profile, measured_joints=lambda: None
     )
     try:
-        found = asyncio.run(first_motion.FirstMotion(daemon, REQUEST, lambda *_: None).carry_out())
+        found = asyncio.run(first_motion.FirstMotion(daemon, request, lambda *_: None).carry_out())
     except UserError as error:
         found = error
     return robot, workers, found
@@ -231,3 +244,15 @@ def test_all_that_a_fault_ended_is_looked_at(tmp_path):
     q, torque = experiment.went
     assert q[:, 0].tolist() == list(range(100, 280))
     assert torque.shape == q.shape
+
+
+def test_joints_with_a_soft_servo_are_slid_shortly_before_they_stroke(monkeypatch):
+    robot, workers, found = measured(monkeypatch, swings=0, soft=[2])
+    assert robot.parts == [("friction", None), ("sliding", [2])]
+    assert found.runs == ["x", "x"]
+    robot, workers, _ = measured(monkeypatch, swings=0, soft=[])
+    assert robot.parts == [("friction", None)], "there are none"
+    assert workers.calls.count("learn") == 1
+    first = MotionRequest("first_motion", {"joints": [1]})
+    robot, _, _ = measured(monkeypatch, swings=0, soft=[2], request=first)
+    assert robot.parts == [("friction", [1])], "nobody asked for that one"

@@ -4,7 +4,9 @@ pose does not tell."""
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import robot_from_profile
 from pa10d.profile import load_profile
 from pa10d.trajectory.kinds import read_request
@@ -29,3 +31,21 @@ def test_as_few_poses_as_will_do():
     varies = np.array([[1, 0, 0, 0, 0], [1, 1, 0, 0, 0], [1, 1, 1, 0, 0], [0, 0, 0, 1, 0]], bool)
     assert shared_out(varies) == [[0], [], [1, 2], [3]]
     assert shared_out(np.zeros((2, 3), bool)) == [[], []]
+
+
+@pytest.mark.parametrize("part", ["friction", "sliding", "response"])
+def test_a_joint_that_has_nowhere_to_go_is_named(monkeypatch, part):
+    """No stroke was ever short enough, and the plan was never there."""
+    around = Surroundings.of(robot_from_profile(load_profile("pa10-sim")))
+    free = Surroundings.free_range
+
+    def hemmed_in(self, pose, joint):
+        return (pose[joint], pose[joint]) if joint == 2 else free(self, pose, joint)
+
+    monkeypatch.setattr(Surroundings, "free_range", hemmed_in)
+    asked = {"kind": "first_motion", "parameters": {"part": part}}
+    with pytest.raises(UserError, match=r"^joint 3 has a way of 0 rad about the pose .*joints"):
+        read_request(asked).build(around)
+    others = [joint for joint in range(1, around.robot.n + 1) if joint != 3]
+    asked["parameters"]["joints"] = others
+    assert read_request(asked).build(around).duration > 0.0

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SHARES = {"friction": 0.2, "response": 0.6, "poses": 0.2}  # of the time
+SHARES = {"friction": 0.2, "sliding": 0.1, "response": 0.5, "poses": 0.2}  # of the time
 # of one joint, with calmer gains where it swings, firmer ones where it falls behind: what it weighs
 # may be told before, and by halves a servo gets to its firmest in four steps
 TRIES = {"oscillation": 5, "following_error": 8}
@@ -78,9 +78,14 @@ class FirstMotion:
         runs: dict[str, str] = {}
         before = 0.0
         for name in begin["parts"]:
-            share = SHARES[name]
+            share, joints = SHARES[name], self._request.parameters.get("joints")
+            if name == "sliding":
+                joints = await self._ask("joints:soft_joints", known=known.document(), of=joints)
+                if not joints:
+                    before += share
+                    continue
             inner = part(self._report, before, before + share)
-            runs[name], known = await self._run(name, known, inner)
+            runs[name], known = await self._run(name, joints, known, inner)
             before += share
             told = await self._ask("joints:learn", runs=runs, known=known.document())
             known = KnownJoints.from_document(told)
@@ -97,10 +102,13 @@ class FirstMotion:
         return self.result
 
     async def _run(
-        self, name: str, known: KnownJoints, report: Progress
+        self, name: str, joints: list[int] | None, known: KnownJoints, report: Progress
     ) -> tuple[str, KnownJoints]:
-        """One part → its run, and what is known then: gains get calmer where the arm swings."""
+        """One part, of these joints (from 1, None: all) → its run, and what is known then: gains
+        get calmer where the arm swings."""
         parameters = {**self._request.parameters, "part": name}
+        if joints is not None:
+            parameters["joints"] = joints
         tried: Counter[int | None] = Counter()
         while True:
             await self._robot.use_gains(known.gains, keep=False, felt=known.felt)

@@ -18,16 +18,20 @@ from pa10d.trajectory.motions import Drawing
 from pa10d.trajectory.plan import Plan, Segment, joined
 from pa10d.trajectory.poses import Surroundings
 
-Part = Literal["friction", "response", "poses"]
-PARTS: tuple[Part, ...] = ("friction", "response", "poses")
+Part = Literal["friction", "sliding", "response", "poses"]
+PARTS: tuple[Part, ...] = ("friction", "sliding", "response", "poses")
 
 ALL_JOINTS = "all joints"  # the label of what tells friction
 NUDGE = 0.04  # rad (m) to either side, less than any servo may be wrong by
+LEAST_WAY = 0.01  # rad (m) of a joint that is to be measured: what moves by less counts as blocked
 THERE, WAIT = 1.0, 3.0  # s to a place, and at it until a joint that sticks has come loose
 SLOW, FAST = 0.15, 0.4  # of the speed limit
 SLOW_MOST, FAST_MOST = 0.4, 0.7  # rad/s
 LEAD, PERIOD = 0.2, 1.0  # s of small torques before the window that is looked at, and of that
 RUN = 0.25  # s at the faster speed
+SHORT = 0.055  # rad (m) to either side of the shortest strokes: a joint that hardly follows is no
+# farther behind than their way
+SHORT_RUN, TIMES = 0.02, 2  # s of them at speed, and how often to and fro
 CALM = 0.7  # of the limits of speed and acceleration, on every way of an arm that is not known
 POSES, REACH = 12, 0.4  # poses drawn for the heavy one, of the ranges
 LIGHTER = 3.0  # times as light as its URDF says any body may be
@@ -38,9 +42,10 @@ VARIES = 1.4  # a joint that is so much heavier in another pose is measured ther
 class FirstMotion(Kind):
     """Measures each joint: inertia, friction, delay, first resonance; the servo's gains follow.
 
-    Each joint takes a small step alone, then all are pushed a little to and fro; then one after the
-    other strokes slowly while small torques of many frequencies shake it. Skipped where the joints
-    have been measured.
+    Each joint takes a small step alone, then all are pushed a little to and fro; where a servo is
+    soft beside friction, its joint makes short quick strokes; then one after the other strokes
+    slowly while small torques of many frequencies shake it. Skipped where the joints have been
+    measured.
     """
 
     kind: ClassVar[str] = "first_motion"
@@ -48,8 +53,9 @@ class FirstMotion(Kind):
 
     part: Part | None = Field(
         default=None,
-        description="friction (all joints, seconds), response (one by one), poses (one more pose "
-        "for joints whose inertia depends on it); all of them where absent",
+        description="friction (all joints, seconds), sliding (one by one, short and quick, where a "
+        "servo is soft beside friction), response (one by one), poses (one more pose for joints "
+        "whose inertia depends on it); where absent all, sliding where it is needed",
     )
     again: bool = Field(default=False, description="also where the joints have been measured")
     speed: float = Field(
@@ -72,6 +78,8 @@ class FirstMotion(Kind):
         segments: list[Segment] = []
         if self.part in (None, "friction"):
             segments += self._nudges(calm, joints, home)
+        if self.part == "sliding":
+            segments += [one for j in joints for one in _short(calm, home, j, self.speed)]
         if self.part in (None, "response"):
             for j in joints:
                 segments += _shaken(calm, home, j, self.speed)
@@ -91,7 +99,7 @@ class FirstMotion(Kind):
         """Each joint alone: whatever moves then, this one's torque has moved. Then all of them."""
         lower, upper = np.array(home), np.array(home)
         for j in joints:
-            below, above = around.free_range(home, j)
+            below, above = _way(around, home, j)
             lower[j], upper[j] = max(below, home[j] - NUDGE), min(above, home[j] + NUDGE)
         steps = Drawing(home)
         for j in joints:
@@ -163,16 +171,40 @@ def shaken_joint(label: str) -> int | None:
     return int(name.removeprefix("joint ")) - 1 if what == "shaken" else None
 
 
+def _way(around: Surroundings, pose: Array, j: int) -> tuple[float, float]:
+    """The free range of a joint about this pose; UserError where it has nowhere to go: no stroke is
+    as short."""
+    below, above = around.free_range(pose, j)
+    if above - below < LEAST_WAY:
+        raise UserError(
+            f"joint {j + 1} has a way of {above - below:.2g} {around.robot.angle_unit(j)} about "
+            f"the pose {np.round(pose, 3).tolist()}, expected {LEAST_WAY:g} at least: another "
+            "pose, or the other joints alone (joints)"
+        )
+    return below, above
+
+
 def _own_inertia(around: Surroundings, pose: Array) -> Array:
     """(n,) kg·m² with a trifle for the rotor, so that a ratio is one of numbers that count."""
     mass = np.diagonal(mass_matrices(around.robot, pose[None])[0])
     return np.asarray(mass + 0.1 * mass.max() * (around.limits.torque / around.limits.torque.max()))
 
 
+def _short(around: Surroundings, pose: Array, j: int, share: float) -> list[Segment]:
+    """As far as a nudge, as fast as its acceleration allows on that way: however little a servo may
+    give beyond dry friction, no joint is farther behind than that."""
+    below, above = _way(around, pose, j)
+    lower, upper = max(below, pose[j] - SHORT), min(above, pose[j] + SHORT)
+    speed = share * min(FAST * around.limits.velocity[j] / CALM, FAST_MOST)
+    while (run := (upper - lower) / speed - _ramp(around, j, speed)) < SHORT_RUN:
+        speed *= 0.9
+    return TIMES * _to_and_fro(around, pose, j, lower, speed, run, "short")
+
+
 def _shaken(around: Surroundings, pose: Array, j: int, share: float) -> list[Segment]:
     speed = share * min(SLOW * around.limits.velocity[j] / CALM, SLOW_MOST)
     travel = speed * (LEAD + PERIOD + _ramp(around, j, speed))
-    lower, upper = around.free_range(pose, j)
+    lower, upper = _way(around, pose, j)
     if travel > upper - lower:
         speed, travel = speed * (upper - lower) / travel, upper - lower
     begin = float(np.clip(pose[j] - 0.5 * travel, lower, upper - travel))
