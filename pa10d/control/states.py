@@ -64,6 +64,6 @@ def require(command: str, state: ArmState, *needed: ArmState, stopped_by: str = 
     """Raise Refused unless ``state`` is one of ``needed``. stopped_by: the fault that stops an arm,
     if one does: rest is not what has to be waited for."""
     if state not in needed:
-        why = stopped_by if state == ArmState.STOPPING else ""
+        why = stopped_by if state in (ArmState.STOPPING, ArmState.DISABLING) else ""
         why = "there is no fault to leave" if command == "reset" else why
         raise Refused(command, state, needed, why)

@@ -143,11 +143,11 @@ def test_what_a_fault_refuses_is_refused_by_its_name():
     arm.run(swing(arm.path.reference.q))
     cycles(arm, 400)
     backend.fail["read"] = [BackendFault("joint 2: overcurrent", axis=1, kind="drive_fault")]
-    cycles(arm, 1)
-    assert arm.state == STOPPING
-    for command in (arm.run, arm.use):
-        with pytest.raises(Refused, match="joint 2: overcurrent"):
-            command(swing(arm.path.reference.q))
+    for state in (STOPPING, ArmState.DISABLING):
+        until(arm, state)
+        for command in (arm.run, arm.use):
+            with pytest.raises(Refused, match="joint 2: overcurrent"):
+                command(swing(arm.path.reference.q))
 
 
 def test_a_stop_that_was_asked_for_is_waited_for():

@@ -80,6 +80,20 @@ def law_of(robot):
     return document["controller"], document["model"], document["model_parameters"]
 
 
+def test_patience_with_a_command_ends_with_its_answer(robot):
+    """What hangs a moment after it was asked to enable held the arm for 75 s more."""
+
+    async def main():
+        control = Control(robot)
+        robot._liveness.tick(7, commanded=True)
+        await robot.connect()
+        quiet = [robot._liveness.tick(7, commanded=False) for _ in range(40)]
+        assert any(quiet), "20 s"
+        assert control.asked == ["connect"]
+
+    asyncio.run(main())
+
+
 def test_after_a_restart_of_control_it_is_taken_up_once_the_arm_is_there(robot):
     async def main():
         Control(robot)

@@ -157,7 +157,7 @@ def test_a_backend_that_hangs_is_ended_and_said_to(faulty, visit, capfd, call):
         faulty.client.enable()
     except Exception as error:
         assert "no answer to 'enable'" in str(error)  # noqa: PT017
-    faulty.client.wait_for_robot("fault", timeout=60)
+    faulty.client.wait_for_robot("fault", timeout=100)  # 75 s, where it hangs before its answer
     told_everywhere(faulty, visit, capfd, "its backend hangs", "fault")
 
 

@@ -252,6 +252,7 @@ class RobotProcess:
             raise CommandRefused({**self._no_control(do), "detail": f"{do}: {error}"}) from error
         finally:
             self._commanded -= 1
+        self._liveness.heard()
         if not answer["ok"]:
             raise CommandRefused(answer)
         return answer
