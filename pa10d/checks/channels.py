@@ -11,6 +11,7 @@ from pa10d.checks.finding import CheckFinding, Mend, joint_label, percent
 from pa10d.checks.held import held_runs
 from pa10d.dynamics import Robot
 from pa10d.measurement.clipped import is_moving, limits
+from pa10d.measurement.dull import Dull, dull
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.spans import spans
 from pa10d.measurement.standstill import NEVER_MOVES
@@ -20,8 +21,6 @@ Array = NDArray[np.float64]
 
 FROZEN = 0.25  # s
 LITTLE = 0.1  # rad (m)
-DULL = 0.5  # of the moving samples at one value
-OFTEN = 10  # stays at it
 MATERIAL = 0.01  # of the samples: fewer wrong ones make a fit poorer, not wrong
 MOSTLY = 0.9  # of the samples at a limit: what is left is no picture of the joint
 
@@ -39,8 +38,8 @@ def check_channels(
         yield from motion
         if np.ptp(q) > NEVER_MOVES:
             yield from _clipped(q, tau, label, j, torque)
-            dull = list(_dull(tau, moving, label, j, torque))
-            yield from dull or _frozen(tau, moving, recording, label, j)
+            shown = list(_dull(dull(tau, moving), label, j, torque))
+            yield from shown or _frozen(tau, moving, recording, label, j)
 
 
 def _motion(
@@ -113,27 +112,15 @@ def _cut_off(sentence: str, share: float, j: int) -> CheckFinding:
     )
 
 
-def _dull(
-    tau: Array, moving: NDArray[np.bool_], label: str, j: int, unit: str
-) -> Iterator[CheckFinding]:
-    """A channel that comes back to one value and mostly shows that: a logger that repeats old ones
-    repeats many."""
-    values, counts = np.unique(tau[moving], return_counts=True)
-    if len(values) < 2:
-        return
-    most = int(np.argmax(counts))
-    stays = len(spans((tau == values[most]) & moving))
-    if 0 < most < len(values) - 1 and counts[most] > DULL * moving.sum() and stays > OFTEN:
-        step = float(np.diff(values[most - 1 : most + 2]).min())
+def _dull(found: Dull | None, label: str, j: int, unit: str) -> Iterator[CheckFinding]:
+    if found is not None:
         yield CheckFinding(
             "error",
             "dull",
-            f"{label}: the torque is exactly {values[most] + 0.0:.4g} {unit} in "
-            f"{percent(counts[most] / moving.sum())} of the samples in which the joint moves, and "
-            f"its steps are {step:.2g} {unit}: what moves it is below what this channel shows, or "
-            "the motor was off",
-            "record it finer, and with power. Forced, the other joints can be fitted; no word of "
-            "this one counts",
+            f"{label}: the torque is exactly {found.level:.4g} {unit} in {percent(found.share)} of "
+            f"the samples in which the joint moves, and its steps are {found.step:.2g} {unit}: "
+            "what moves it is below what this channel shows, or the motor was off",
+            "record it finer, and with power. Forced, the other joints are fitted without it",
             j + 1,
         )
 

@@ -24,6 +24,7 @@ from pa10d.judgement import (
     RunResidual,
     Scores,
     beside_its_own,
+    hidden_in,
     in_band,
     judged,
     least_floor,
@@ -174,8 +175,13 @@ def _floor_of(one: Judgement, least: NoiseFloor, known: Array | None) -> NoiseFl
 
 def _of(name: str, runs: list[RunResidual], model: TorqueModel, floor: NoiseFloor) -> RunScores:
     found = scores(runs)
-    where = places(runs, model.robot, floor.values, judged=found)
-    where += _clear_places(runs, found, floor, model, {place.joint for place in where})
+    hidden = hidden_in(runs)
+    where = [
+        place
+        for place in places(runs, model.robot, floor.values, judged=found)
+        if place.joint not in hidden
+    ]
+    where += _clear_places(runs, found, floor, model, {place.joint for place in where} | {*hidden})
     spread = failing(found, floor.values, model.robot, where, runs, model.noise)
     return RunScores(name, found, floor, tuple(where), tuple(spread), mask_of(runs))
 
@@ -216,6 +222,7 @@ def _warnings(residuals: Sequence[RunResidual]) -> list[str]:
         "which no model knows, or a brake holds it, or its torque is not measured"
         for run in residuals
         for j in run.rested
+        if j not in run.hidden
     ]
 
 

@@ -17,7 +17,7 @@ from pa10d.compare.regions import Region
 from pa10d.compare.samples import joint_samples
 from pa10d.compare.search import PlaceSearch
 from pa10d.dynamics import Robot
-from pa10d.judgement import MATERIAL, RunResidual, Scores
+from pa10d.judgement import MATERIAL, RunResidual, Scores, hidden_in
 from pa10d.judgement.scores import moving
 
 Array = NDArray[np.float64]
@@ -53,10 +53,18 @@ def failing(
     fitted: Array,
 ) -> list[str]:
     """One sentence for every joint that keeps materially more than its noise (n,) N·m though no
-    place of its error stands out, or all of it lies in a few moments of the runs, and one for all
-    joints whose noise is not known; fitted: (n,) N·m that the model leaves on the runs that it was
-    fitted to, all their noise included."""
-    told, said = {place.joint for place in found}, []
+    place of its error stands out, or all of it lies in a few moments of the runs, one for all whose
+    torque is known nowhere, and one for all whose noise is not known; fitted: (n,) N·m that the
+    model leaves on the runs that it was fitted to, all their noise included."""
+    hidden = hidden_in(runs)
+    told, said = {place.joint for place in found} | {*hidden}, []
+    if hidden:
+        one = len(hidden) == 1
+        said.append(
+            f"The torque of {joint_words(hidden)} is known nowhere in these runs: "
+            f"{'its channel' if one else 'each channel'} mostly shows one value or a limit. What "
+            "is left there says nothing of the model."
+        )
     for j, (rms, noise) in enumerate(zip(judged.rms, floor, strict=True)):
         known = noise > 0
         if j in told or (known and rms <= MATERIAL * noise):

@@ -48,6 +48,7 @@ def warnings_of(
 ) -> list[str]:
     """Sentences, the gravest first."""
     return [
+        *_hidden(seen),
         *_unmoved(layout.robot, seen),
         *_lost(layout, fit, seen),
         *_bounds(layout, fit, feasible),
@@ -55,6 +56,17 @@ def warnings_of(
         *_friction_sign(layout.robot, smoothing, seen),
         *_timing(shift, channel),
     ]
+
+
+def _hidden(seen: MotionExtent) -> Iterator[str]:
+    joints = np.flatnonzero(seen.hidden).tolist()
+    if joints:
+        own, its = ("its", "its") if len(joints) == 1 else ("their", "each")
+        yield (
+            f"{_joints(joints)}: {own} torque is known nowhere in these runs, {its} channel mostly "
+            "shows one value or a limit: it is not fitted, and nothing of friction and rotor there "
+            "is known; record it finer, in a wider range and with power"
+        )
 
 
 def _unmoved(robot: Robot, seen: MotionExtent) -> Iterator[str]:
@@ -77,6 +89,8 @@ def _lost(layout: Layout, fit: Fit, seen: MotionExtent) -> Iterator[str]:
     for direction in fit.solution.lost.T:
         order = np.argsort(-np.abs(direction))
         main = [k for k in order[:NAMED] if abs(direction[k]) > 0.3 * abs(direction[order[0]])]
+        if all(k >= len(layout.base) and seen.hidden[list(owners[k])].all() for k in main):
+            continue  # no motion would show it
         terms = " ".join(f"{direction[k]:+.2f}·{names[k]}" for k in main)
         yield (
             f"rank lost: the motion does not show {terms} (columns scaled to equal size); "
@@ -179,7 +193,8 @@ def _uncertain(layout: Layout, fit: Fit, seen: MotionExtent) -> Iterator[str]:
 
 
 def _friction_sign(robot: Robot, smoothing: Smoothing, seen: MotionExtent) -> Iterator[str]:
-    vague = [int(j) for j in np.flatnonzero(~smoothing.found) if seen.range[j] >= SMALL_RANGE]
+    asked = ~smoothing.found & ~seen.hidden
+    vague = [int(j) for j in np.flatnonzero(asked) if seen.range[j] >= SMALL_RANGE]
     if vague:
         yield (
             f"how sharply friction reverses on {_joints(vague)} is not visible "

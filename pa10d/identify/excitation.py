@@ -16,7 +16,8 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class MotionExtent:
     """Per joint (n,): lowest and highest angle (rad), fast speed (rad/s) and acceleration
-    (rad/s²) as 99 % quantiles, number of reversals, seconds in motion."""
+    (rad/s²) as 99 % quantiles, number of reversals, seconds in motion; hidden: its torque is known
+    nowhere."""
 
     low: Array
     high: Array
@@ -24,6 +25,7 @@ class MotionExtent:
     acceleration: Array
     reversals: NDArray[np.int64]
     seconds: Array
+    hidden: NDArray[np.bool_]
 
     @property
     def range(self) -> Array:
@@ -34,6 +36,7 @@ class MotionExtent:
 def excitation(pieces: Iterable[Piece]) -> MotionExtent:
     """Seen over all pieces."""
     low, high, speed, pace, turns, seconds = [], [], [], [], [], []
+    hidden = []
     for piece in pieces:
         c, run = piece.context, piece.equation
         low.append(c.q.min(axis=0))
@@ -44,6 +47,7 @@ def excitation(pieces: Iterable[Piece]) -> MotionExtent:
         way = np.where(np.abs(c.dq) > 0.02 * piece.fast, np.sign(c.dq), 0.0)
         turns.append([_changes(way[:, j]) for j in range(way.shape[1])])
         seconds.append(piece.moving.sum(axis=0) / run.rate)
+        hidden.append(run.hidden)
     return MotionExtent(
         np.min(low, axis=0),
         np.max(high, axis=0),
@@ -51,6 +55,7 @@ def excitation(pieces: Iterable[Piece]) -> MotionExtent:
         np.max(pace, axis=0),
         np.sum(turns, axis=0).astype(np.int64),
         np.sum(seconds, axis=0),
+        np.all(hidden, axis=0),
     )
 
 

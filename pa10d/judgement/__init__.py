@@ -23,7 +23,7 @@ from pa10d.judgement.one_floor import (
     through,
 )
 from pa10d.judgement.repeatable import Repeatable, repeatable
-from pa10d.judgement.residuals import RunResidual, residual_of, run_residual
+from pa10d.judgement.residuals import RunResidual, hidden_in, residual_of, run_residual
 from pa10d.judgement.reversing import Reversing, reversing
 from pa10d.judgement.scores import Scores, scores
 from pa10d.judgement.turning import Turning, turning
@@ -44,6 +44,7 @@ __all__ = [
     "beside_its_own",
     "common_band",
     "first_and_last",
+    "hidden_in",
     "in_band",
     "judge",
     "judge_alike",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -58,6 +59,11 @@ class RunResidual:
     sharing: tuple[int, ...]
     late: tuple[int, ...]
     model: TorqueModel
+
+    @property
+    def hidden(self) -> tuple[int, ...]:
+        """Joints (0-based) whose torque is known nowhere: what they leave says nothing."""
+        return tuple(np.flatnonzero(self.equation.hidden).tolist())
 
     @cached_property
     def error(self) -> Array:
@@ -131,6 +137,11 @@ def residual_of(model: TorqueModel, equation: RunEquation) -> RunResidual:
         late=late_joints(model.terms),
         model=model,
     )
+
+
+def hidden_in(runs: Sequence[RunResidual]) -> list[int]:
+    """Joints (0-based) whose torque is known nowhere in any of the runs; none of no runs."""
+    return sorted(set.intersection(*(set(run.hidden) for run in runs))) if runs else []
 
 
 def _judged(equation: RunEquation) -> tuple[Mask, Mask, tuple[int, ...]]:

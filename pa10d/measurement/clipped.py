@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.measurement.dull import dull
 from pa10d.measurement.spans import spans
 
 Array = NDArray[np.float64]
@@ -57,9 +58,13 @@ def limits(q: Array, tau: Array) -> Iterator[Limit]:
 
 
 def clipped(q: Array, tau: Array) -> Flags:
-    """(N, n) True where joint i's torque stands at a limit, of q and tau (N, n)."""
+    """(N, n) True where joint i's torque stands at a limit, of q and tau (N, n); throughout where
+    its channel mostly shows nothing."""
     out = np.zeros(tau.shape, dtype=bool)
     for j in range(tau.shape[1]):
+        if dull(tau[:, j], is_moving(q[:, j])) is not None:
+            out[:, j] = True
+            continue
         for limit in limits(q[:, j], tau[:, j]):
             out[:, j] |= limit.at
     return out

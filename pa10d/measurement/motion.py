@@ -24,6 +24,7 @@ MATTERS = 0.01  # of the acceleration: differences between the sources below thi
 AGREES = 0.1  # of the velocity, after the lag is taken out
 GAIN = 0.03  # by which slopes may differ: a velocity in other units is none
 QUIETER = 0.7  # ratio of what lies above the equation's band
+STANDS = 1e-6  # of the largest acceleration of any joint: less is rounding
 FARTHEST = 0.05  # s of lag, beyond which the two are not the same quantity
 
 SEGMENT = 4.0  # s of one segment of an acceleration's spectrum
@@ -127,10 +128,13 @@ def motion_bands(ddq: Array, rate: float, lowest: float, highest: float) -> tupl
 
 def _lag(difference: Array, acceleration: Array) -> float:
     """Seconds by which a velocity is late: what difference and acceleration have in common,
-    joints weighted alike."""
-    size = np.maximum(_rms(acceleration), 1e-300)
-    shared = -np.sum(difference / size * (acceleration / size), axis=0)
-    return float(np.median(shared / np.sum((acceleration / size) ** 2, axis=0)))
+    joints weighted alike; 0 where none moves, and what one that stands measures is noise."""
+    size = _rms(acceleration)
+    moves = size > STANDS * size.max(initial=0.0)
+    if not moves.any():
+        return 0.0
+    unit, apart = acceleration[:, moves] / size[moves], difference[:, moves] / size[moves]
+    return float(np.median(-np.sum(apart * unit, axis=0) / np.sum(unit**2, axis=0)))
 
 
 def _rms(x: Array) -> Array:

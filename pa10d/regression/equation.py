@@ -76,6 +76,13 @@ class RunEquation:
     stands: bool = True
 
     @property
+    def hidden(self) -> NDArray[np.bool_]:
+        """(n,) True of joints whose torque is known nowhere in the run."""
+        if self.going is None:
+            return np.zeros(self.context.robot.n, dtype=bool)
+        return np.asarray(~self.going.any(axis=0))
+
+    @property
     def rate(self) -> float:
         """Decimated samples per second."""
         return self.lowpass.rate / self.lowpass.factor

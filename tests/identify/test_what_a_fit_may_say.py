@@ -46,7 +46,9 @@ def test_a_fit_that_bodies_cannot_follow_claims_no_missing_effect():
             SimpleNamespace(found=np.array([True]), v0=np.array([0.01])),
             SimpleNamespace(seconds=0.0, estimate=0.0, std_error=0.0, slow=np.nan),
             None,
-            SimpleNamespace(range=np.array([2.0]), reversals=np.array([9])),
+            SimpleNamespace(
+                range=np.array([2.0]), reversals=np.array([9]), hidden=np.array([False])
+            ),
         )
 
     left = "joint 1 (a): feasible parameters leave 20 % more error (0.6 instead of 0.5 N·m): "

@@ -114,9 +114,15 @@ def _idle(side: Sequence[RunEquation], what: str) -> dict[int, str]:
         f"nothing clear of that, expected strokes of {2.0 * REACH / cutoff:.2g} s and more: use "
         "such runs, or a model that was identified in a wider band"
     )
+    hidden = (
+        f"has a torque that is known nowhere in the data {what}: it stays at one value, or at a "
+        "limit, while the joint moves; record it finer, in a wider range and with power"
+    )
+    unknown = np.all([run.hidden for run in side], axis=0)
     whole, inner = (_reach(side, only_inside) > NEVER_MOVES for only_inside in (False, True))
+    whys = [(unknown, hidden), (inner, short), (whole, ends)]
     return {
-        j: f"joint {j + 1} {short if inner[j] else ends if whole[j] else never}"
+        j: f"joint {j + 1} {next((why for where, why in whys if where[j]), never)}"
         for j in np.flatnonzero(idle).tolist()
     }
 
