@@ -11,6 +11,7 @@ from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot
 from pa10d.identify.excitation import MotionExtent
 from pa10d.measurement.recording import Recording
+from pa10d.measurement.standstill import NEVER_MOVES
 from pa10d.regression.equation import edge_time
 
 FEWEST_PERIODS = 8.0  # of the cut-off between the two ends
@@ -67,10 +68,16 @@ def check_motion(
     if faster_than is not None:
         check_fast(seen, faster_than)
     names = ", ".join(r.name for r in recordings)
+    if np.any(seen.range > NEVER_MOVES):
+        if not any(np.any(r.tau) for r in recordings):
+            raise UserError(f"{names}: torque is zero throughout, expected measured torque")
+        if seen.hidden.all():
+            raise UserError(
+                f"{names}: no joint's torque is shown, each comes back to one value whatever its "
+                "joint does, expected measured torque"
+            )
     if not np.any(seen.seconds > 0):
         raise UserError(f"{names}: no joint moves, expected motion of the joints to be identified")
-    if not any(np.any(r.tau) for r in recordings):
-        raise UserError(f"{names}: torque is zero throughout, expected measured torque")
     return seen
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from pa10d.measurement.dull import dull
 from pa10d.measurement.spans import spans
+from pa10d.measurement.standstill import NEVER_MOVES
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -62,12 +63,19 @@ def clipped(q: Array, tau: Array) -> Flags:
     its channel mostly shows nothing."""
     out = np.zeros(tau.shape, dtype=bool)
     for j in range(tau.shape[1]):
-        if dull(tau[:, j], is_moving(q[:, j])) is not None:
+        if shows_nothing(q[:, j], tau[:, j]):
             out[:, j] = True
             continue
         for limit in limits(q[:, j], tau[:, j]):
             out[:, j] |= limit.at
     return out
+
+
+def shows_nothing(q: Array, tau: Array) -> bool:
+    """Of q (N,) and tau (N,) of one joint: does it move, and its channel mostly shows one value? A
+    channel with no other at all may be of a joint that nothing drives: that is known."""
+    moves = len(q) > 0 and bool(np.ptp(q) > NEVER_MOVES)
+    return moves and dull(tau, is_moving(q)) is not None
 
 
 def is_moving(q: Array) -> Flags:

@@ -11,7 +11,7 @@ from pa10d.compare import compare
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.identify import identify
 from pa10d.judgement import in_band, judge
-from pa10d.measurement.clipped import clipped
+from pa10d.measurement.clipped import clipped, shows_nothing
 
 NOISE = 0.05
 
@@ -32,6 +32,15 @@ def seen():
     motion = fourier(2, 12.0, 100.0)
     run = dulled(recording(truth, motion, rng.normal(0, NOISE, (1200, 2))), 1)
     return truth, run, identify([run], truth.robot, name="m0")
+
+
+def test_a_channel_that_mostly_shows_one_value_while_its_joint_moves_shows_nothing():
+    t = np.linspace(0.0, 20.0, 2000)
+    torque = np.trunc(1.1 * np.sin(3.0 * t))
+    assert shows_nothing(np.sin(t), torque)
+    assert not shows_nothing(0.0 * t, torque), "at rest, nobody asks"
+    assert not shows_nothing(np.sin(t), 0.0 * t), "nothing drives it"
+    assert not shows_nothing(np.sin(t), np.trunc(5.0 * np.sin(3.0 * t))), "coarse, but it shows"
 
 
 def test_it_is_known_nowhere(seen):

@@ -260,6 +260,9 @@ def test_refusals_in_words():
         identify([replace(run, q=still)], truth.robot, name="m")
     with pytest.raises(UserError, match="torque is zero throughout"):
         identify([replace(run, tau=still)], truth.robot, name="m")
+    coarse = np.trunc(1.1 * np.sin(3.0 * run.t))[:, None] * [1.0, 2.0]
+    with pytest.raises(UserError, match="no joint's torque is shown"):
+        identify([replace(run, tau=coarse)], truth.robot, name="m")
     with pytest.raises(UserError, match="pair of joints"):
         identify([run], truth.robot, name="m", with_effects=["coupling_friction"])
 
