@@ -62,7 +62,10 @@ def no_estimates(term: Term, found: Mapping[str, Value]) -> str:
     if not said:
         return ""
     each = "that is no estimate" if len(said) == 1 else "these are no estimates"
-    return f"{term.label}: {listed(said)}: {each}, but where something else has drawn it"
+    why = "where something else has drawn it"
+    if term.effect_id == "coulomb":  # friction that drives its joint
+        why += ", or its torque or its angle counts the other way (a check of the run tells)"
+    return f"{term.label}: {listed(said)}: {each}, but {why}"
 
 
 def may_be_nothing(term: Term, found: Mapping[str, Value]) -> bool:

@@ -128,6 +128,8 @@ def test_friction_below_nothing_beyond_its_doubt_is_no_estimate():
     assert "D comes out at -0.2 N·m·s/rad, and nothing has less than none" in no_estimates(
         term, found
     )
+    term, found = told("coulomb", [-0.3], [0.01], {"v0": 0.01}, {"v0": 0.001})
+    assert "its torque or its angle counts the other way" in no_estimates(term, found)
     term, found = told("coulomb", [-0.01], [0.01], {"v0": 0.01}, {"v0": 0.001})
     assert not found["Fc"].beyond
     assert no_estimates(term, found) == ""
