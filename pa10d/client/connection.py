@@ -24,6 +24,10 @@ class ApiError(UserError):
         self.status = int(problem.get("status", 0))
 
 
+class Silent(UserError):
+    """The daemon took the request, and has not answered."""
+
+
 class JobFailed(UserError):
     """A job did not succeed; ``job`` is its document."""
 
@@ -66,7 +70,8 @@ class Connection:
         try:
             response = self._http.request(method, path, **more)
         except httpx.HTTPError as error:
-            raise UserError(f"{self.url}: the daemon does not answer ({error})") from error
+            unheard = Silent if isinstance(error, httpx.TimeoutException) else UserError
+            raise unheard(f"{self.url}: the daemon does not answer ({error})") from error
         if response.status_code >= 400:
             raise ApiError(problem_of(response))
         return dict(response.json())

@@ -13,10 +13,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from pa10d.client.client import Client
+from pa10d.client.connection import Silent
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 
 ANSWERS = 1.0  # s within which a stop that goes well is answered, tenfold
+SILENT = 10.0  # s after which a daemon stands still, however busy the machine
+STANDS = (
+    "the daemon on this data, process {}, does not answer; 'pa10d robot stop' brings its arm to "
+    "rest all the same"
+)
 NONE_RUNS = (
     "stop: no daemon runs on this data; control processes of others stop their arms at "
     "'pkill -USR1 -f pa10d.control'"
@@ -25,19 +31,22 @@ START = 180.0  # s for a daemon to come up; compiled code may have to be made fi
 
 
 def running_daemon(data: str | os.PathLike[str] | None = None) -> Client | None:
-    """A client of the daemon that runs on this data, if there is one."""
+    """A client of the daemon that runs on this data, if there is one; UserError where that is
+    silent."""
     from pa10d.daemon.presence import present
     from pa10d.store.location import data_folder
 
     found = present(data_folder(data))
     if found is None:
         return None
-    client = Client(found.url, found.token)
-    with contextlib.suppress(UserError):
-        client.health()
-        return client
-    client.close()
-    return None
+    try:
+        with Client(found.url, found.token, patience=SILENT) as client:
+            client.health()
+    except Silent as error:
+        raise UserError(STANDS.format(found.pid)) from error
+    except UserError:
+        return None
+    return Client(found.url, found.token)
 
 
 def stop_robot(data: str | os.PathLike[str] | None, wait: float) -> JsonObject | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import socket
 import subprocess
 import sys
 import time
@@ -110,6 +111,21 @@ def test_a_daemon_that_does_not_answer_is_passed_over(tmp_path, control, capsys)
         assert time.monotonic() - begun < 5.0
     assert control.wait(10) == 7
     assert "control was told by a signal" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("command", ["state", "disable"])
+def test_a_daemon_that_stands_still_is_no_daemon_that_is_not_there(
+    tmp_path, monkeypatch, capsys, command
+):
+    """After a minute and a half it was said that none runs, of one whose arm has power."""
+    monkeypatch.setattr("pa10d.client.daemons.SILENT", 0.2)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        url = f"http://127.0.0.1:{silent.getsockname()[1]}"
+        with announced(tmp_path, Presence(url, os.getpid(), "two")):
+            assert main(["--data", str(tmp_path), "robot", command]) == 1
+    said = capsys.readouterr().err
+    assert f"the daemon on this data, process {os.getpid()}, does not answer" in said
+    assert "'pa10d robot stop'" in said
 
 
 def test_no_other_process_gets_the_signal(tmp_path, control, capsys):
