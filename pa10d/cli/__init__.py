@@ -20,7 +20,7 @@ from pa10d.cli.completion import complete
 from pa10d.cli.parser import Parser
 from pa10d.cli.progress import end_progress
 from pa10d.cli.remembered import default_named
-from pa10d.cli.streams import give_up
+from pa10d.cli.streams import for_a_moment, give_up
 from pa10d.common.disk import disk_words
 from pa10d.common.errors import Unsound, UserError
 from pa10d.common.words import as_text
@@ -69,7 +69,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except UserError as error:
         print_failure(f"{error}{default_named(options, str(error))}", options.json)
     except KeyboardInterrupt as interrupt:
-        print_failure(": ".join(["interrupted", *map(str, interrupt.args)]), options.json)
+        why = ": ".join(["interrupted", *map(str, interrupt.args)])
+        for_a_moment(lambda: print_failure(why, options.json))
         return INTERRUPTED
     except BrokenPipeError:
         give_up(sys.stdout)

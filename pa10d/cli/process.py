@@ -24,6 +24,7 @@ from pa10d.cli.progress import show_cursor
 
 GRACE = 0.7  # s
 TURN = 0.05  # s
+WAITS = "interrupted: what was started is being ended (once more: leave at once)"
 TURNS = 40  # after which the thread that watches has had one, however busy the machine
 
 
@@ -100,9 +101,9 @@ def _watch(reading: int, interrupted: list[float], repeated: list[float]) -> Non
         interrupted.append(time.monotonic())
         time.sleep(GRACE)
         if again or not current.patient:
-            note("interrupted")
+            streams.for_a_moment(partial(note, "interrupted"))
             _leave()
-        note("interrupted: what was started is being ended (once more: leave at once)")
+        streams.for_a_moment(partial(note, WAITS))
 
 
 def _leave() -> NoReturn:
@@ -112,7 +113,11 @@ def _leave() -> NoReturn:
 
         for child in multiprocessing.active_children():
             child.kill()
+    streams.for_a_moment(_farewell)
+    os._exit(INTERRUPTED)
+
+
+def _farewell() -> None:
     show_cursor()
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
-    os._exit(INTERRUPTED)

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import _thread  # as in ``process``
 import codecs
 import errno
 import os
 import sys
+from collections.abc import Callable
+from contextlib import suppress
 from typing import TextIO
+
+MOMENT = 1.0  # s for the last words of a process that is to end
 
 
 def prepare() -> None:
@@ -29,6 +34,20 @@ def has_all_letters(stream: TextIO) -> bool:
 def give_up(stream: TextIO) -> None:
     """Nobody takes what is written to it: what waits there goes nowhere, without another word."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def for_a_moment(say: Callable[[], object]) -> None:
+    """Last words: a terminal or a pipe that nobody reads does not keep a process from ending."""
+    said = _thread.allocate_lock()
+    said.acquire()
+
+    def saying() -> None:
+        with suppress(Exception):  # nor does one that is closed
+            say()
+        said.release()
+
+    _thread.start_new_thread(saying, ())
+    said.acquire(timeout=MOMENT)
 
 
 def _is_open(number: int) -> bool:

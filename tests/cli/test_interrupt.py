@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import os
 import signal
 import subprocess
@@ -105,6 +106,37 @@ def main():
 process._watch, process.main = late, main
 process.run()
 """
+UNREAD = """
+import time
+import pa10d.cli.process as process
+
+def main():
+    process.current.patient = True
+    print(flush=True)
+    while True:
+        try:
+            time.sleep(60)
+        except KeyboardInterrupt:
+            pass
+
+process.main = main
+process.run()
+"""
+UNREAD_AT_LAST = """
+import time
+import pa10d.cli as cli
+import pa10d.cli.process as process
+
+def work(_):
+    process.current.patient = True
+    print(flush=True)
+    time.sleep(60)
+
+cli._carried_out = work
+process.main = lambda: cli.main(["robot", "state"])
+process.GRACE = 60.0
+process.run()
+"""
 PATIENT = """
 import pa10d.cli.process as process
 
@@ -124,6 +156,32 @@ def test_a_command_that_does_not_notice_is_ended_with_its_children():
 
 
 @pytest.mark.long
+@pytest.mark.timeout(60)
+@pytest.mark.by_default("twice")
+@pytest.mark.parametrize(
+    ("program", "times"),
+    [(STUCK, 1), (UNREAD, 2), (UNREAD_AT_LAST, 1)],
+    ids=["stuck", "twice", "last"],
+)
+def test_a_terminal_that_nobody_reads_keeps_no_command_from_ending(program, times):
+    """It told its end there first, and heard no second Ctrl-C meanwhile."""
+    reading, writing = os.pipe()
+    fcntl.fcntl(writing, fcntl.F_SETPIPE_SZ, 4096)
+    os.write(writing, b"x" * 4096)
+    command = [sys.executable, "-c", program]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=writing) as process:
+        process.stdout.readline()
+        for _ in range(times):
+            process.send_signal(signal.SIGINT)
+            time.sleep(0.2)
+        try:
+            assert process.wait(SOON) == 130
+        finally:
+            process.kill()
+    os.close(writing)
+    os.close(reading)
+
+
 def test_an_import_interrupted_at_its_file_leaves_nothing(tmp_path):
     """It waits for the first line, which never comes."""
     log = tmp_path / "log.csv"
