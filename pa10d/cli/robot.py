@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note
 from pa10d.cli.commands import Subcommands
 from pa10d.cli.daemon_client import daemon_beside
 from pa10d.common.jsonable import JsonObject
 
+if TYPE_CHECKING:
+    from pa10d.client import Client
+
 AT_REST = ("holding", "inactive", "fault", "offline")
 WAITED = 10.0  # s until an arm that was told to stop must have come to rest
 BY_SIGNAL = (
     "the daemon does not answer: control was told by a signal and brings the arm to rest; look at "
     "the arm"
+)
+GOES_ON = (
+    "the daemon goes on with what it was asked for; 'pa10d robot state' says how the arm is, "
+    "'pa10d robot stop' brings it to rest"
 )
 
 
@@ -60,7 +70,7 @@ def state(options: argparse.Namespace) -> Answer:
 
 def enable(options: argparse.Namespace) -> Answer:
     """``robot enable``."""
-    with daemon_beside(options, "robot") as client:
+    with _commanded(options) as client:
         return _told(client.enable(options.recover), "holding")
 
 
@@ -74,14 +84,24 @@ def stop(options: argparse.Namespace) -> Answer:
 
 def disable(options: argparse.Namespace) -> Answer:
     """``robot disable``."""
-    with daemon_beside(options, "robot") as client:
+    with _commanded(options) as client:
         return _told(client.disable(options.anyway), "inactive")
 
 
 def reset(options: argparse.Namespace) -> Answer:
     """``robot reset``."""
-    with daemon_beside(options, "robot") as client:
+    with _commanded(options) as client:
         return _told(client.reset(), "inactive")
+
+
+@contextlib.contextmanager
+def _commanded(options: argparse.Namespace) -> Iterator[Client]:
+    """The daemon beside; whoever interrupts is told that the arm is not."""
+    with daemon_beside(options, "robot") as client:
+        try:
+            yield client
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(GOES_ON) from None
 
 
 def _told(robot: JsonObject, *wanted: str) -> Answer:

@@ -41,7 +41,7 @@ class Daemon:
 
     def _said(self, *words):
         self.asked.append(words)
-        if isinstance(self.says, Exception):
+        if isinstance(self.says, BaseException):
             raise self.says
         return self.says
 
@@ -92,6 +92,17 @@ def test_what_did_not_come_to_be_is_no_success(daemon, capsys):
     assert json.loads(said.out)["state"] == "fault"
     assert said.err == "joint 2: is too hot\n"
     assert main(["robot", "state"]) == 0
+
+
+@pytest.mark.parametrize("command", ["enable", "disable"])
+def test_whoever_interrupts_is_told_that_the_daemon_goes_on(daemon, capsys, command):
+    """ "interrupted" was said, and the arm got its power."""
+    daemon.says = KeyboardInterrupt()
+    assert main(["robot", command]) == 130
+    said = capsys.readouterr().err
+    assert said.startswith("interrupted: the daemon goes on")
+    assert "'pa10d robot stop'" in said
+    assert daemon.asked[-1] == "let go"
 
 
 @pytest.fixture
