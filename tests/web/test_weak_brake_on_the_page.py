@@ -26,7 +26,7 @@ def test_it_is_said_while_power_stays_and_no_longer(archive, visit):
     weak = {"joint": 2, "gone": 0.0056, "unit": "rad", "sentence": f"{SAYS}056 rad"}
     for state, found, hides in (("holding", [], True), ("holding", [weak], False),
                                 ("inactive", [], True)):  # fmt: skip
-        told = {**robot, "offline_passes": False, "state": state, "unheld": found}
+        told = {**robot, "quiet": 0.0, "offline_passes": False, "state": state, "unheld": found}
         hidden, words, guide = visitor.page.evaluate(TOLD, told)
         assert hidden is hides
         assert ("Support the arm, then disable it." in words) is not hidden or not found
