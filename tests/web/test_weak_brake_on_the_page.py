@@ -12,7 +12,7 @@ BUTTON = "Disable anyway …"
 
 TOLD = """(robot) => {
   const { change } = globalThis.pa10dModules.get("base/store.js");
-  change({ robot });
+  change({ robot, connected: true, heard: performance.now() });
   const box = [...document.querySelectorAll("#robot .doubt")].at(-1);
   const guide = document.querySelector("section:not([hidden]) .guide");
   return [box.hidden, box.textContent, guide.textContent];
