@@ -9,6 +9,7 @@ import numpy as np
 from two_links import CUTOFF, NAMES, RATE, motion, robot, state_of, textbook_torque
 
 from pa10d.diagnose.search.lateness import with_delays_followed
+from pa10d.diagnose.search.steps import Search
 from pa10d.judgement.judge import mask_of
 from pa10d.judgement.residuals import residual_of
 from pa10d.measurement.recording import Recording
@@ -75,3 +76,18 @@ def test_a_delay_is_followed_to_where_it_leaves_least():
     followed = with_delays_followed(state, fixed)
     assert abs(followed.terms[fixed].coefficients[0] - LATE) < 0.05 * LATE
     assert np.all(followed.fit.rms() < 1.02 * 0.05)
+
+
+def test_moments_come_back_once_no_torque_is_late_any_more():
+    """A delay that stood in for what comes next is gone beside it, and so were moments that tell of
+    it."""
+    state = state_of(runs())
+    search = Search(state.copy(), [], len(state.terms), told_of_rests=(1,))
+    search.state.push(delay(LATE))
+    search.state.refit()
+    search.state = search.state.where_known()
+    assert search.state.train.runs[0].keep[:, 1].sum() < state.train.runs[0].keep[:, 1].sum()
+    search.state.drop(search.fixed)
+    search.go_on_without(set(), steps=1)
+    assert search.told_of_rests == ()
+    assert np.array_equal(search.state.train.runs[0].keep, state.train.runs[0].keep)

@@ -94,6 +94,7 @@ class Search:
     followed: set[int] = field(default_factory=set)  # joints of which no spring held, and in which
     # nothing was found since
     gone: set[Place] = field(default_factory=set)  # from the model for good: springs, too
+    told_of_rests: tuple[int, ...] = ()  # joints of which moments after a rest are left out
     sharpened: set[int] = field(default_factory=set)  # joints of which a sharper corner of dry
     # friction did what another friction would have
     progress: Callable[[float, str], None] = lambda share, text: None
@@ -138,6 +139,7 @@ class Search:
     def _where_known(self) -> bool:
         """Look at no moments any more in which what joints share sticks, or of which a late torque
         tells of a rest, now that these are known."""
+        self.told_of_rests = self._tells_of_rests()
         without = self.state.where_known()
         if without is self.state:
             return False
@@ -147,6 +149,10 @@ class Search:
         self.prune()
         self._exchanged()
         return True
+
+    def _tells_of_rests(self) -> tuple[int, ...]:
+        """Joints (0-based) whose torque is late by now."""
+        return tuple(sorted(t.joints[0] for t in self.state.terms if t.effect.forgets_within))
 
     def _exchanged(self) -> bool:
         """Put in the place of findings those of their rivals, or other kinds of theirs, that are
@@ -264,6 +270,8 @@ class Search:
         added = 0
         while added < steps:
             self.progress(added / steps, f"step {added + 1}: looking through the library")
+            if self._tells_of_rests() != self.told_of_rests:  # a late torque that is gone left out
+                self._where_known()  # moments that tell of what comes next
             good, judged = look(self._judging(self.suspects), refused | put_off)
             self.bent = tuple(j for j in judged if j.bent or j.unseen)
             before = rms(self.state.held_residual())
