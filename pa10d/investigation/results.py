@@ -113,7 +113,8 @@ class LastWord:
     """The first and the last version on the same runs. fresh: moved for nothing else; seen: what
     fits have seen of them, in words; runs: ids; models: names of all versions; units: of every
     joint's torque; left: of joints that keep more than twice their noise, where it lies, in words;
-    these and the runs' names are empty where an older version has written it."""
+    hidden: joints (from 1) whose torque is known nowhere, whose errors say nothing; these and the
+    runs' names are empty where an older version has written it."""
 
     fresh: bool
     seen: str
@@ -127,6 +128,7 @@ class LastWord:
     units: list[str] = field(default_factory=list)
     run_names: list[str] = field(default_factory=list)
     left: list[str] = field(default_factory=list)
+    hidden: list[int] = field(default_factory=list)
 
     def unit(self, joint: int) -> str:
         """Of a joint's error (0-based)."""

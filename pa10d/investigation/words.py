@@ -142,7 +142,8 @@ def fall_words(judged: LastWord) -> str:
         text = f"{judged.models[0]} is judged {where}; nothing was added to it."
         return " ".join([text, *judged.left])
     fall = (before**2 - after**2) / np.maximum(before**2, 1e-300)
-    best, worst = int(np.argmax(fall)), int(np.argmin(fall))
+    asked = [j for j in range(len(fall)) if j + 1 not in judged.hidden]
+    best, worst = max(asked, key=lambda j: fall[j]), min(asked, key=lambda j: fall[j])
 
     def sizes(j: int) -> str:
         return f"from {rounded(before[j], 3)} to {rounded(after[j], 3)} {judged.unit(j)}"

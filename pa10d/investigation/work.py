@@ -152,6 +152,7 @@ def _judge(
         units=[robot.torque_unit(j) for j in range(robot.n)],
         run_names=[library.runs.find(run).name for run in runs],
         left=_left(library, state, runs, last, robot),
+        hidden=[j + 1 for j in last.hidden],
     )
     return StepOutcome(result=plain(word), said=fall_words(word))
 

@@ -20,7 +20,7 @@ from pa10d.judgement.one_floor import (
     or_of_own_runs,
     through,
 )
-from pa10d.judgement.residuals import RunResidual, run_residual
+from pa10d.judgement.residuals import RunResidual, hidden_in, run_residual
 from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
@@ -42,7 +42,8 @@ memory, in some ten channels per joint."""
 
 @dataclass(frozen=True)
 class Judgement:
-    """rms (n,) N·m of one model, both sides behind ``cutoff`` Hz, over the samples of ``mask``."""
+    """rms (n,) N·m of one model, both sides behind ``cutoff`` Hz, over the samples of ``mask``;
+    hidden: joints (0-based) whose torque is known nowhere, whose rms says nothing."""
 
     model: str
     runs: tuple[str, ...]
@@ -50,6 +51,7 @@ class Judgement:
     rms: Array
     floor: NoiseFloor
     mask: str = MASK
+    hidden: tuple[int, ...] = ()
 
     @property
     def ratio(self) -> Array:
@@ -169,4 +171,12 @@ def judged(model: str, runs: Sequence[RunResidual], mask: str = MASK) -> Judgeme
     """The same of runs that a model was held against already."""
     cutoff = runs[0].equation.lowpass.cutoff
     names = tuple(run.name for run in runs)
-    return Judgement(model, names, cutoff, scores(runs).rms, noise_floor(runs), mask_of(runs, mask))
+    return Judgement(
+        model,
+        names,
+        cutoff,
+        scores(runs).rms,
+        noise_floor(runs),
+        mask_of(runs, mask),
+        tuple(hidden_in(runs)),
+    )

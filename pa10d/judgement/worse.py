@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.judgement.residuals import RunResidual
+from pa10d.judgement.residuals import RunResidual, hidden_in
 from pa10d.judgement.scores import moving
 
 Array = NDArray[np.float64]
@@ -23,9 +23,10 @@ def worse(before: Sequence[RunResidual], after: Sequence[RunResidual]) -> list[i
 
     before, after: the same runs through either model; the rise of squared error is averaged over
     blocks of time, whose scatter says how sure it is. Runs count in which the joint moves, as in
-    the error that is shown.
+    the error that is shown. A joint whose torque is known nowhere is not asked.
     """
-    return [j for j in range(before[0].error.shape[1]) if _rose(before, after, j)]
+    asked = {*range(before[0].error.shape[1])} - {*hidden_in(before)}
+    return [j for j in sorted(asked) if _rose(before, after, j)]
 
 
 def _rose(before: Sequence[RunResidual], after: Sequence[RunResidual], joint: int) -> bool:

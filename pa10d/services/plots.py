@@ -100,6 +100,7 @@ def staircase_of(data: str, model: str, runs: Sequence[str]) -> Plot:
         steps=told,
         noise_floor=plain(floor),
         units=_units(model_of(data, line[-1].id)),
+        hidden=[j + 1 for j in found[-1].hidden],
         **_named(found[-1]),
     )
 

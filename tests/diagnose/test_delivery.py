@@ -95,6 +95,9 @@ def test_a_joint_that_became_worse_is_named():
     assert worse(before, after) == [0]
     assert worse(after, before) == []
     assert worse(before, before) == []
+    nowhere = np.zeros_like(before[0].equation.context.q)
+    unseen = [replace(run, equation=replace(run.equation, going=nowhere)) for run in before]
+    assert worse(unseen, after) == [], "nobody knows"
     note = Delivery(before=(0.1, 0.1), achieved=(0.4, 0.1), worse=(1,))
     said = warnings(replace(spoilt, parent="m0", notes=ModelNotes(delivery=note)))
     assert said == ["joint 1: its error rises from 0.1 to 0.4 N·m against m0, which stays as it is"]

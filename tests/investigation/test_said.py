@@ -44,6 +44,11 @@ def test_an_error_that_falls_has_the_unit_of_its_joint():
     assert "to 0.25 N·m on" in fall_words(replace(JUDGED, units=[])), "kept without them"
 
 
+def test_an_error_of_a_torque_that_is_known_nowhere_is_no_fall():
+    """A real arm's headline was of a joint whose current was never seen."""
+    assert "joint 1 falls" not in fall_words(replace(JUDGED, hidden=[1]))
+
+
 def test_what_a_joint_keeps_on_fresh_motion_is_said_with_its_place():
     """Ten times its noise stood in a table without a word."""
     where = (SimpleNamespace(joint=1, sentence="Joint 2 below 0.01 rad/s carries 89 %"),)

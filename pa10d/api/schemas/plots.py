@@ -5,6 +5,7 @@ from __future__ import annotations
 from pydantic import BaseModel, Field
 
 from pa10d.common.jsonable import JsonObject
+from pa10d.services.viewed import Joint
 
 
 class Figure(BaseModel):
@@ -42,6 +43,9 @@ class StaircasePlot(Plot):
     steps: list[Stair]
     noise_floor: list[float | None] = Field(description="N·m, per joint; null: not known")
     units: list[str] = Field(description="Of each joint's torque: N·m, or N")
+    hidden: list[Joint] = Field(
+        description="Joints whose torque is known nowhere in these runs: their errors say nothing"
+    )
     cutoff_hz: float
     mask: str = Field(description="Which samples count")
 

@@ -201,11 +201,12 @@ async function refreshPlots() {
   }
 }
 
-/** The joint whose error fell most, in a sentence. */
-function fell({ steps, noise_floor: floor, units }) {
+/** The joint whose error fell most, in a sentence; of those whose torque is known. */
+function fell({ steps, noise_floor: floor, units, hidden }) {
   if (steps.length < 2) return "This is the first version: diagnose it to learn what is missing.";
   const first = steps[0].rms, last = steps.at(-1).rms;
-  const j = first.reduce((best, rms, k) => (rms / last[k] > first[best] / last[best] ? k : best), 0);
+  const asked = [...first.keys()].filter((k) => !hidden.includes(k + 1));
+  const j = asked.reduce((best, k) => (first[k] / last[k] > first[best] / last[best] ? k : best));
   if (first[j] <= last[j]) return "No joint's error fell: go back to the parent.";
   const noise = floor[j] === null ? "" : `; the noise is ${number(floor[j])} ${units[j]}`;
   return `The error of joint ${j + 1} fell from ${number(first[j])} to ${number(last[j])} ${units[j]}${noise}.`;
