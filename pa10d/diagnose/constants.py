@@ -94,11 +94,6 @@ AT_HOME = 0.05  # standard errors of the noise: what a round moves less is there
 SPRINGS_FOLLOWED = 2  # joints whose springs are sought together with the bodies, of all guesses
 SPRING_NEARLY = 0.5  # of what the best guess promises: one that promises as much is followed, too,
 #   where those leave more than noise; a guess may be off by as much
-LATE_LOOKS = 2.0 ** np.arange(-1.0, 3.5, 0.5)  # times a delay that was found, where it is followed:
-#   one of 3 ms was of 21 ms
-LATE_CLOSER = 8  # more looks about the best of them: to 2 %
-LATE_ROUNDS = 4  # to the torque that is late and back, at each of them: with the delay given, each
-#   leaves a tenth of what was off
 SPRING_STEPS = (3, 20)  # of Gauss and Newton's, from each start and from the best of them
 SPRING_STEP = 1.0  # of a logarithm of stiffness or damping, at most
 ROTOR_STEP = 0.3  # of the link's inertia, at most, that goes over to its rotor in such a step: at

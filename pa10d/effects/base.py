@@ -280,10 +280,10 @@ class Effect(ABC):
     # and MJCF have a place for, by what the effect comes to where the joint slides
     live: ClassVar[bool] = False  # the control loop evaluates it itself, in every cycle
     commanded: ClassVar[bool] = True  # a controller has to ask for this torque, too
+    tells_sign: ClassVar[bool] = False  # of less than none of it somebody has to ask whether torque
+    # or angle counts the other way: it would drive its joint
     remembers: ClassVar[str] = ""  # what its torque depends on beside this instant, and what is
     # taken for it where samples stand apart
-    forgets_within: ClassVar[float] = 0.0  # times its first coefficient (s) after which what a
-    # torque was no longer shows in its reading
     escapes_demo: ClassVar[str] = ""  # why the demo's experiments may not show it
     view: ClassVar[View | None] = None  # None: as the example is drawn
     derived: ClassVar[Mapping[str, tuple[str, ...]]] = {}  # of what it tells: from which of its

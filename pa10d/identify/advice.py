@@ -107,7 +107,7 @@ def _bounds(layout: Layout, fit: Fit, feasible: FeasibleModel) -> Iterator[str]:
     dry = {
         k
         for term, place in zip(layout.terms, layout.places, strict=True)
-        if term.effect.id == "coulomb"
+        if term.effect.tells_sign
         for k in range(place.start, place.stop)
     }
     for k, name in enumerate(layout.names()[start:], start=start):

@@ -143,8 +143,7 @@ def no_more_than(most: int, recordings: Sequence[Recording]) -> Sequence[Recordi
 
 def mask_of(runs: Sequence[RunResidual], mask: str = MASK) -> str:
     """Which samples count, in words, where models with bristles leave out how they were bent, and
-    those in which joints share surfaces leave out where these stick, and those whose torque is late
-    what it says of a rest."""
+    those in which joints share surfaces leave out where these stick."""
     bent = sorted({joint for run in runs for joint in run.bent})
     if bent:
         whose = "its" if len(bent) == 1 else "their"
@@ -152,10 +151,6 @@ def mask_of(runs: Sequence[RunResidual], mask: str = MASK) -> str:
     sharing = sorted({joint for run in runs for joint in run.sharing})
     if sharing:
         mask += f", {joint_words(sharing)} where what they share slips"
-    late = sorted({joint for run in runs for joint in run.late})
-    if late:
-        whose = "its" if len(late) == 1 else "their"
-        mask += f", {joint_words(late)} once {whose} late torque tells of no rest any more"
     return mask
 
 

@@ -19,7 +19,7 @@ from pa10d.model import TorqueModel
 from pa10d.regression.equation import RunEquation, prepare
 from pa10d.regression.noisy_limits import with_limits
 from pa10d.regression.rests import FEWEST_MOVING
-from pa10d.regression.shared_surfaces import late_joints, sharing, where_known
+from pa10d.regression.shared_surfaces import sharing, where_shared_slips
 from pa10d.regression.winding import seen_by
 
 Array = NDArray[np.float64]
@@ -36,13 +36,11 @@ class RunResidual:
     counts     (M, n) True where joint i moves, reversals included (there friction models fail),
                away from the run's ends, and not where bristles are bent as the run found them:
                where an error is looked for
-    judged     (M, n) the same clear of reversals, of moments in which what joints share sticks, and
-               of those of which a late torque still tells of a rest:
+    judged     (M, n) the same clear of reversals, and of moments in which what joints share sticks:
                where its size is judged
     rested     joints (0-based) that hardly moved: judged over the whole run instead
     bent       joints (0-based) of which a beginning does not count: see ``bent_before``
     sharing    joints (0-based) that share surfaces in the model
-    late       joints (0-based) whose torque is late in the model
     model      that sees it
     """
 
@@ -57,7 +55,6 @@ class RunResidual:
     rested: tuple[int, ...]
     bent: tuple[int, ...]
     sharing: tuple[int, ...]
-    late: tuple[int, ...]
     model: TorqueModel
 
     @property
@@ -115,7 +112,7 @@ def run_residual(model: TorqueModel, recording: Recording) -> RunResidual:
 
 def residual_of(model: TorqueModel, equation: RunEquation) -> RunResidual:
     """The same of a run whose torque was filtered already."""
-    equation = where_known(equation, model.terms)
+    equation = where_shared_slips(equation, model.terms)
     seen = seen_by(model, equation)
     predicted, low = model.sensed(seen), equation.lowpass
     counts, clear, rested = _judged(equation)
@@ -134,7 +131,6 @@ def residual_of(model: TorqueModel, equation: RunEquation) -> RunResidual:
         rested=rested,
         bent=tuple(np.flatnonzero(unknown.any(axis=0)).tolist()),
         sharing=sharing(equation, model.terms),
-        late=late_joints(model.terms),
         model=model,
     )
 

@@ -63,7 +63,7 @@ def no_estimates(term: Term, found: Mapping[str, Value]) -> str:
         return ""
     each = "that is no estimate" if len(said) == 1 else "these are no estimates"
     why = "where something else has drawn it"
-    if term.effect_id == "coulomb":  # friction that drives its joint
+    if term.effect.tells_sign:
         why += ", or its torque or its angle counts the other way (a check of the run tells)"
     return f"{term.label}: {listed(said)}: {each}, but {why}"
 

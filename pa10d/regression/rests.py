@@ -31,25 +31,17 @@ SETTLED = 4.0  # delays of a torque channel after which it has forgotten what st
 FEWEST_MOVING = 8  # filtered samples clear of rests: of fewer nothing can be said
 
 
-def going(
-    dq: Array,
-    lowpass: Lowpass,
-    fast: Array | None = None,
-    but: Iterable[int] = (),
-    late: float = 0.0,
-) -> Array:
+def going(dq: Array, lowpass: Lowpass, fast: Array | None = None, but: Iterable[int] = ()) -> Array:
     """(N, n) 0 where joint i stands or turns round, 1 clear of that.
 
     dq: (N, n) rad/s; fast: (n,) rad/s, what counts as fast for each joint (default: from dq);
-    but: joints (0-based) that are seen throughout; late: s for which their torque tells of a rest
-    when it is over.
+    but: joints (0-based) that are seen throughout.
     """
-    samples, seen = len(dq), set(but)
-    reach, after = _remembered(lowpass), int(np.ceil(late * lowpass.rate))
+    samples, reach, seen = len(dq), _remembered(lowpass), set(but)
     stood = np.zeros(dq.shape, dtype=bool)
     for j, found in enumerate(stops(dq, lowpass.rate, fast)):
         if j not in seen:
-            stood[:, j] = near(found + np.array([0, after]), samples, reach)
+            stood[:, j] = near(found, samples, reach)
     return _away_from(stood, lowpass)
 
 

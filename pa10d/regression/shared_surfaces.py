@@ -1,10 +1,8 @@
-"""Equations without the moments of which a model's terms tell that a torque is not known.
+"""Equations without the moments in which what joints have in common sticks.
 
 A joint's own standstills are out of its equation (``pa10d/regression/rests.py``). What two joints
 share, a belt or a differential, stands at other moments: both move, and their speeds cancel. Its
 friction is then anything between both breakaways, and no column can say which.
-
-A torque that is measured late tells of a rest when the joint moves on already.
 """
 
 from __future__ import annotations
@@ -22,25 +20,20 @@ from pa10d.regression.rests import FEWEST_MOVING, counted, going
 Array = NDArray[np.float64]
 
 
-def where_known(equation: RunEquation, terms: Iterable[Term]) -> RunEquation:
-    """The equation of every joint that shares a term's surfaces multiplied by 0 where these stand,
-    and of one whose torque is late for so long after it stood.
+def where_shared_slips(equation: RunEquation, terms: Iterable[Term]) -> RunEquation:
+    """The equation of every joint that shares a term's surfaces multiplied by 0 where these stand.
 
     What is left out already stays so: asked again, nothing changes. A joint that would keep hardly
     anything is left as it is.
     """
-    terms = list(terms)
-    shared, late = list(_shared(equation, terms)), dict(_late(terms))
-    if not shared and not late:
+    shared = list(_shared(equation, terms))
+    if not shared:
         return equation
     before = np.ones_like(equation.context.dq) if equation.going is None else equation.going
     share = before.copy()
     for joints, speed in shared:
         slipping = going(speed[:, None], equation.lowpass)
         share[:, joints] = np.minimum(share[:, joints], slipping)
-    for j, seconds in late.items():
-        own = going(equation.context.dq[:, [j]], equation.lowpass, late=seconds)
-        share[:, j] = np.minimum(share[:, j], own[:, 0])
     if np.array_equal(share, before):
         return equation
     keep = equation.keep & counted(share, equation.lowpass, CLEAR)
@@ -50,18 +43,6 @@ def where_known(equation: RunEquation, terms: Iterable[Term]) -> RunEquation:
         going=np.where(alone, before, share),
         keep=np.where(alone, equation.keep, keep),
     )
-
-
-def late_joints(terms: Iterable[Term]) -> tuple[int, ...]:
-    """Joints (0-based) whose torque is measured late."""
-    return tuple(sorted(dict(_late(terms))))
-
-
-def _late(terms: Iterable[Term]) -> Iterator[tuple[int, float]]:
-    """Joints and s for which their torque tells of what was."""
-    for term in terms:
-        if term.effect.forgets_within:
-            yield term.joints[0], term.effect.forgets_within * float(term.coefficients[0])
 
 
 def sharing(equation: RunEquation, terms: Iterable[Term]) -> tuple[int, ...]:

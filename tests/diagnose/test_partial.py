@@ -147,25 +147,3 @@ def test_bounded_is_the_least_within_the_box(seed, size):
         return float(np.sum((root @ x - target) ** 2))
 
     assert cost(theta) <= cost(best) * (1 + 1e-7) + 1e-10
-
-
-@given(st.integers(0, 10_000), st.integers(0, 3), st.floats(-3.0, 3.0))
-@settings(max_examples=20, deadline=None)
-def test_all_others_make_room_for_a_coefficient_that_is_given(seed, column, value):
-    side, columns, _ = problem(seed)
-    fit = least_squares(side, columns, SIGMA).with_value(column, value)
-    matrix = np.concatenate([columns[j] / SIGMA[j] for j in range(2)])
-    target = np.concatenate([side.tau[j] / SIGMA[j] for j in range(2)]) - value * matrix[:, column]
-    others = np.delete(matrix, column, axis=1)
-    beta = np.linalg.lstsq(others, target, rcond=None)[0]
-    assert fit.beta[column] == pytest.approx(value)
-    np.testing.assert_allclose(np.delete(fit.beta, column), beta, rtol=1e-6, atol=1e-9)
-    left = np.concatenate([fit.residual[j] for j in range(2)])
-    np.testing.assert_allclose(left, target - others @ beta, atol=1e-9)
-
-
-def test_a_coefficient_without_a_column_takes_no_value():
-    side, columns, _ = problem(3)
-    columns = {j: np.column_stack([c, np.zeros(len(c))]) for j, c in columns.items()}
-    fit = least_squares(side, columns, SIGMA)
-    assert fit.with_value(4, 2.0) is fit

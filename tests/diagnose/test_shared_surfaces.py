@@ -15,7 +15,7 @@ from pa10d.judgement import first_and_last, judge, run_residual
 from pa10d.measurement.recording import Recording
 from pa10d.model import Term
 from pa10d.regression.equation import prepare
-from pa10d.regression.shared_surfaces import sharing, where_known
+from pa10d.regression.shared_surfaces import sharing, where_shared_slips
 
 F = 3.0  # N·m
 SHARED = Term("coupling_friction", (0, 1), np.array([F, 0.0]), {"ratio": 1.0, "viscous": 0.0})
@@ -67,14 +67,14 @@ def test_a_model_without_shared_surfaces_is_judged_as_ever():
     seen = run_residual(textbook(runs()), runs()["valid_a"])
     assert seen.sharing == ()
     plain = prepare(runs()["valid_a"], robot(), CUTOFF, stands=False)
-    assert where_known(plain, added().terms[:-1]) is plain
+    assert where_shared_slips(plain, added().terms[:-1]) is plain
     assert sharing(plain, added().terms) == (0, 1)
 
 
 def test_asked_again_nothing_changes_and_only_those_that_share_are_touched():
     plain = prepare(runs()["valid_a"], robot(), CUTOFF, stands=False)
-    once = where_known(plain, [SHARED])
-    again = where_known(once, [SHARED])
+    once = where_shared_slips(plain, [SHARED])
+    again = where_shared_slips(once, [SHARED])
     assert again is once
     assert np.all(once.going <= plain.going)
     assert 0.5 < once.keep.sum() / plain.keep.sum() < 1.0
@@ -85,7 +85,7 @@ def test_a_joint_that_would_keep_nothing_is_left_as_it_is():
     run = runs()["valid_a"]
     run = replace(run, q=np.column_stack([run.q[:, 0], -run.q[:, 0]]))
     plain = prepare(run, robot(), CUTOFF, stands=False)
-    left = where_known(plain, [SHARED])
+    left = where_shared_slips(plain, [SHARED])
     assert np.array_equal(left.keep, plain.keep)
     assert np.array_equal(left.going, plain.going)
 

@@ -10,7 +10,6 @@ from pa10d.common.parallel import one_thread
 from pa10d.diagnose.outcome.held import held_at_none, held_words
 from pa10d.diagnose.search.begun import Begun, begin
 from pa10d.diagnose.search.delivery import warnings as said
-from pa10d.diagnose.search.lateness import with_delays_followed
 from pa10d.diagnose.search.none_at_least import or_none_at_least
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.suspects import label, lacking
@@ -84,7 +83,6 @@ def _fitted(search: Search, effect_id: str, say: Progress) -> Search:
         best = search.best(kind, place)
         if best is not None:
             search.state.push(best.term)  # the search may have gone on with a copy
-            search.state = search.state.where_known()
+            search.state = search.state.where_shared_slips()
             search.settle(rounds=1)
-            search.state = with_delays_followed(search.state, search.fixed)
     return search

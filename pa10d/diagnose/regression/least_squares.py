@@ -6,7 +6,7 @@ basis Q of the present columns: what the model absorbs of the candidate is QÂ·Qá
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
@@ -72,19 +72,6 @@ class LeastSquares(Solution):
             coordinates=rest,
             triangle=triangle,
             target=self.target,
-        )
-
-    def with_value(self, column: int, value: float) -> LeastSquares:
-        """The same least squares with one coefficient given."""
-        along = self.to_beta[column]
-        if not along.any():  # the data do not show it
-            return self
-        moved = along * (value - self.beta[column]) / (along @ along)
-        return replace(
-            self,
-            beta=self.beta + self.to_beta @ moved,
-            coordinates=self.coordinates + moved,
-            residual={j: r - self.basis[j] @ moved for j, r in self.residual.items()},
         )
 
     def leverage(self) -> Array:

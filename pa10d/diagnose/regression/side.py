@@ -16,7 +16,7 @@ from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model import Term, TorqueModel
 from pa10d.regression.equation import RunEquation
 from pa10d.regression.per_joint import Mask, PerJoint, gathered
-from pa10d.regression.shared_surfaces import where_known
+from pa10d.regression.shared_surfaces import where_shared_slips
 from pa10d.regression.winding import seen_by
 
 Array = NDArray[np.float64]
@@ -81,10 +81,10 @@ class Side:
         """The same with columns that pass such a torque channel."""
         return self._of_runs(lambda r: replace(r, lowpass=replace(r.lowpass, channel=channel)))
 
-    def where_known(self, terms: Sequence[Term]) -> Side:
+    def where_shared_slips(self, terms: Sequence[Term]) -> Side:
         """The same without moments in which surfaces stick that any of these terms share."""
         whole = self.everywhere
-        runs = tuple(where_known(run, terms) for run in whole.runs)
+        runs = tuple(where_shared_slips(run, terms) for run in whole.runs)
         if all(run is one for run, one in zip(runs, whole.runs, strict=True)):
             return replace(whole, contexts=self.contexts)
         return replace(self, runs=runs, all_moments=whole, kept_by_evidence={})

@@ -79,7 +79,7 @@ class SearchState:
         state.relook()
         if any(term.effect.uses_model for term in state.terms):
             state.refit()
-        return state.where_known()
+        return state.where_shared_slips()
 
     @property
     def unknowns(self) -> Unknowns:
@@ -145,10 +145,10 @@ class SearchState:
         train, held = self.train.behind(channel), self.held.behind(channel)
         return replace(self, model=replace(self.model, channel=channel))._of(train, held)
 
-    def where_known(self) -> SearchState:
+    def where_shared_slips(self) -> SearchState:
         """A refitted copy without moments in which what its terms let joints share sticks; itself
         where those are what it leaves out."""
-        train, held = (side.where_known(self.terms) for side in (self.train, self.held))
+        train, held = (side.where_shared_slips(self.terms) for side in (self.train, self.held))
         sides = zip((train, held), (self.train, self.held), strict=True)
         if all(_same_samples(one, other) for one, other in sides):
             return self
@@ -238,22 +238,18 @@ class SearchState:
         ]
 
     def _hold_at_none(self) -> None:
-        free, fit = self.fit, self._held_at_none(self.fit)
-        if fit is not free:
-            self.free = free
-            # which bodies can be is asked of all columns
-            self.fit = replace(fit, triangle=free.triangle, target=free.target)
-
-    def _held_at_none(self, fit: LeastSquares) -> LeastSquares:
-        """A fit with what it wants less of than none at none, and what that then asks for."""
-        held = set[int]()
+        fit, held = self.fit, set[int]()
         while below := {*self.below_none(fit)} - held:
             held |= below
             for index in below:
                 fit = fit.without(self.place(index))
+        if not held:
+            return
         for index in held:
             fit.beta[self.place(index)] = 0.0  # but for rounding, it is
-        return fit
+        free, self.free = self.fit, self.fit
+        # which bodies can be is asked of all columns
+        self.fit = replace(fit, triangle=free.triangle, target=free.target)
 
     def as_free(self) -> SearchState:
         """The same with the fit that may want less than none: what is held at none is known no
@@ -263,8 +259,6 @@ class SearchState:
     def fit_without(self, index: int) -> LeastSquares:
         """The same without terms[index], all else solved anew."""
         place = self.place(index)
-        if self.none_at_least:  # beside the term that may have been more than none
-            return self._held_at_none((self.free or self.fit).without(place))
         return self._within_its_doubt(lambda fit: fit.without(place))
 
     def _within_its_doubt(self, seen: Callable[[LeastSquares], LeastSquares]) -> LeastSquares:

@@ -20,8 +20,6 @@ from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import scan, sharpened
 from pa10d.diagnose.search.harm import harmful
 from pa10d.diagnose.search.judging import JudgedCandidate
-from pa10d.diagnose.search.lateness import with_delays_followed
-from pa10d.diagnose.search.possible import through_impossible_bodies
 from pa10d.diagnose.search.refitting import settled
 from pa10d.model import Term
 from pa10d.regression.per_joint import rms
@@ -31,7 +29,7 @@ def rival_yet(state: SearchState, index: int, rival: JudgedCandidate, fixed: int
     """Can it be what it is called, and does it leave about as little as terms[index] of the state?
     fixed: terms that the model was given."""
     other = _in_its_place(state, index, rival)
-    if other is None or through_impossible_bodies(state, other):
+    if other is None:
         return False
     if rival.candidate.effect.series_spring or state.terms[index].effect.series_spring:
         return True  # others bend the bodies as well, until they are followed
@@ -98,7 +96,7 @@ def _other_kinds(state: SearchState, index: int, fixed: int) -> Iterator[SearchS
         other = state.copy()
         other.replace_term(index, one.term)
         other.refit()
-        yield with_delays_followed(settled(other, fixed, rounds=1), fixed)
+        yield settled(other, fixed, rounds=1)
 
 
 def _as_many(one: Term, other: Term) -> bool:

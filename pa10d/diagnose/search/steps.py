@@ -41,7 +41,6 @@ from pa10d.diagnose.search.corners import (
 from pa10d.diagnose.search.dead_bands import Bands, dead_bands
 from pa10d.diagnose.search.harm import harmful, rms, spoils, taken_by, turns_worse
 from pa10d.diagnose.search.judging import JudgedCandidate, Judging, Place, Suspects
-from pa10d.diagnose.search.lateness import with_delays_followed
 from pa10d.diagnose.search.looking import (
     absorbed_rivals,
     bent_rivals,
@@ -51,7 +50,6 @@ from pa10d.diagnose.search.looking import (
     still_tied,
 )
 from pa10d.diagnose.search.pairs import pair_beside
-from pa10d.diagnose.search.possible import through_impossible_bodies
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.refitting import settled
 from pa10d.diagnose.search.rivals import of_another_kind, rather, rival_yet
@@ -94,7 +92,6 @@ class Search:
     followed: set[int] = field(default_factory=set)  # joints of which no spring held, and in which
     # nothing was found since
     gone: set[Place] = field(default_factory=set)  # from the model for good: springs, too
-    told_of_rests: tuple[int, ...] = ()  # joints of which moments after a rest are left out
     sharpened: set[int] = field(default_factory=set)  # joints of which a sharper corner of dry
     # friction did what another friction would have
     progress: Callable[[float, str], None] = lambda share, text: None
@@ -119,7 +116,7 @@ class Search:
             refused |= self.prune()
             self._forward(steps, refused)
             self._without_unsure(steps, refused)
-        moved = [self._in_time(), self._behind_channel(), self._where_known()]
+        moved = [self._in_time(), self._behind_channel(), self._where_shared_slips()]
         if any(moved):
             self._forward(steps, refused)
             self._without_unsure(steps, refused)
@@ -136,23 +133,15 @@ class Search:
         most = max(LEAST_STEPS, STEPS_PER_JOINT * self.state.train.n)
         return most if steps is None else steps
 
-    def _where_known(self) -> bool:
-        """Look at no moments any more in which what joints share sticks, or of which a late torque
-        tells of a rest, now that these are known."""
-        self.told_of_rests = self._tells_of_rests()
-        without = self.state.where_known()
+    def _where_shared_slips(self) -> bool:
+        """Look at no moments any more in which what joints share sticks, now that it is known."""
+        without = self.state.where_shared_slips()
         if without is self.state:
             return False
-        self.state = with_delays_followed(without, self.fixed)
+        self.state = without
         self.settle()
-        self.state = with_delays_followed(self.state, self.fixed)
         self.prune()
-        self._exchanged()
         return True
-
-    def _tells_of_rests(self) -> tuple[int, ...]:
-        """Joints (0-based) whose torque is late by now."""
-        return tuple(sorted(t.joints[0] for t in self.state.terms if t.effect.forgets_within))
 
     def _exchanged(self) -> bool:
         """Put in the place of findings those of their rivals, or other kinds of theirs, that are
@@ -270,8 +259,6 @@ class Search:
         added = 0
         while added < steps:
             self.progress(added / steps, f"step {added + 1}: looking through the library")
-            if self._tells_of_rests() != self.told_of_rests:  # a late torque that is gone left out
-                self._where_known()  # moments that tell of what comes next
             good, judged = look(self._judging(self.suspects), refused | put_off)
             self.bent = tuple(j for j in judged if j.bent or j.unseen)
             before = rms(self.state.held_residual())
@@ -311,8 +298,6 @@ class Search:
                 self.followed -= {*chosen.candidate.joints}
             else:
                 self.followed.clear()
-            if chosen.candidate.effect.forgets_within:  # else others imitate what its rests left
-                self._where_known()
             refused |= dropped | self.reconsider()
             self.steps.append(Addition(chosen, tied, before, rms(self.state.held_residual())))
             added, put_off = added + 1, set()
@@ -373,8 +358,6 @@ class Search:
             self._call_by_name()
             dropped = self.prune()
             if chosen.place in dropped or spoils(saved, self.state):
-                continue
-            if through_impossible_bodies(saved, self.state):
                 continue
             if not turns_worse(saved, self.state):
                 return dropped

@@ -44,7 +44,7 @@ def snapshot(
     """The model with the first ``size`` terms, as the search fitted and judged it. Its note
     ``delivery`` has what the search promised and what the model as it is stored achieves."""
     part = state if size == len(state.terms) else with_first(state, size, given.terms)
-    part = part.where_known()
+    part = part.where_shared_slips()
     refitted = size == len(given.terms)
     frozen = state.frozen
     known = stated(part, found_here(part, len(given.terms)))

@@ -44,6 +44,7 @@ class Coulomb(Effect):
     }
     experiment = "The same path in both directions."
     experiment_kind = "velocity_sweep"
+    tells_sign = True
     source = "Armstrong-Hélouvry, Dupont, Canudas de Wit (1994)"
     remedy = (
         "Part of every model. Where it has risen, look at grease, seals and brake; where it has "

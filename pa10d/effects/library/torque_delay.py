@@ -50,7 +50,6 @@ class TorqueDelay(Effect):
     source = "Ljung, System Identification: Theory for the User (1999)"
     remedy = "Line up the time stamps of torque and angle; look for a filter in the drive."
     remembers = "the torque a moment ago (apart: it does not change)"
-    forgets_within = 4.0  # behind a low-pass 2 % are left then; late as a whole, none before
     view = View("rate", over_frequency=True)
     example = Example((0.02,), against="rate", motion="wander")
 
