@@ -342,7 +342,8 @@ def _from_model(
 
     lower = np.asarray(model.lowerPositionLimit, dtype=float)[inverse]
     upper = np.asarray(model.upperPositionLimit, dtype=float)[inverse]
-    unlimited = (upper - lower <= 0) | (upper - lower > 1e8)
+    unstated = (lower == 0.0) & (upper == 0.0)  # what a file means that leaves them out
+    unlimited = unstated | (upper - lower > 1e8)
     return Robot(
         name=re.sub(r"\s+", "_", name),
         joint_names=tuple(chosen),

@@ -41,6 +41,15 @@ CHAIN = (
 )  # fmt: skip
 
 
+@pytest.mark.parametrize(("stated", "lower"), [("0.3", 0.3), ("0", -np.inf)])
+def test_a_joint_that_has_no_way_is_not_one_without_limits(stated, lower):
+    """Both limits at 0.3 rad were none; both at 0 are what a file without them says."""
+    limit = LIMIT.replace('"-3"', f'"{stated}"').replace('"3"', f'"{stated}"')
+    robot = robot_from_urdf(urdf(*LINKS, CHAIN[0].replace(LIMIT, limit), *CHAIN[1:]))
+    assert robot.lower.tolist() == [lower, -3.0, -3.0]
+    assert robot.upper.tolist() == [-lower if lower < 0 else lower, 3.0, 3.0]
+
+
 def test_joints_count_from_the_base_though_the_file_begins_at_the_tip(tmp_path):
     from_tip = urdf(*reversed(CHAIN), *LINKS)
     robot = robot_from_urdf(from_tip)
