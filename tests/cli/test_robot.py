@@ -21,7 +21,10 @@ ARM = {
     "misplaced": [], "unheld": [],
 }  # fmt: skip
 BRAKE = "disable: the brake of joint 2 does not hold its load; its motor holds it, and power stays"
-OBEYS = "import signal; signal.signal(signal.SIGUSR1, lambda *_: exit(7)); print(); signal.pause()"
+OBEYS = (
+    "import signal; signal.signal(signal.SIGUSR1, lambda *_: exit(7)); print(flush=True); "
+    "signal.pause()"
+)
 
 
 class Daemon:
