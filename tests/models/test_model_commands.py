@@ -223,7 +223,10 @@ REFUSED = {
         "cut-off",
     ),
     "other robot": (["identify", "fit", "--profile", "pa10-sim", "--name", "x"], "joints"),
-    "report nowhere": (["compare", "m0", "one", "--report", "/nowhere/r.html"], "/nowhere/r.html"),
+    "report nowhere": (
+        ["compare", "m0", "one", "--report", "/proc/nowhere/r.html"],
+        "/proc/nowhere/r.html",
+    ),
 }
 
 
