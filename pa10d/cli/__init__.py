@@ -64,7 +64,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return MISUSED
     except Unsound as error:
         for finding in error.warnings:
-            note(f"warning: {finding['sentence']} → {finding['advice']}")
+            advice = f" → {finding['advice']}" if finding["advice"] else ""
+            note(f"warning: {finding['sentence']}{advice}")
         print_failure(f"{error} (--force)", options.json, findings=error.findings)
     except UserError as error:
         print_failure(f"{error}{default_named(options, str(error))}", options.json)

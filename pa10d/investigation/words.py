@@ -143,6 +143,8 @@ def fall_words(judged: LastWord) -> str:
         return " ".join([text, *judged.left])
     fall = (before**2 - after**2) / np.maximum(before**2, 1e-300)
     asked = [j for j in range(len(fall)) if j + 1 not in judged.hidden]
+    if not asked:
+        return f"No joint's torque is known {where}: their errors say nothing."
     best, worst = max(asked, key=lambda j: fall[j]), min(asked, key=lambda j: fall[j])
 
     def sizes(j: int) -> str:

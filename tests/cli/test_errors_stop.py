@@ -76,14 +76,16 @@ def test_what_else_has_to_be_mended_is_said_of_a_refused_recording(place, capsys
     found = [
         CheckFinding("error", "dull", "joint 1: too dull", "record it finer", 1),
         CheckFinding("warning", "turned", "joint 2: tau counts the other way", "--map …", 2),
+        CheckFinding("warning", "limits", "joint 2: tau is beyond its limit", joint=2),
     ]
     monkeypatch.setattr(services_runs, "findings_of", lambda *_, **__: found)
     assert _import("sound", "--check", "--json") == 1
     said = capsys.readouterr()
     assert "warning: joint 2: tau counts the other way → --map …" in said.err
+    assert "warning: joint 2: tau is beyond its limit\n" in said.err
     document = json.loads(said.out)
     assert "joint 2" not in document["error"]
-    assert [f["code"] for f in document["findings"]] == ["dull", "turned"]
+    assert [f["code"] for f in document["findings"]] == ["dull", "turned", "limits"]
 
 
 def test_no_fit_takes_a_run_with_an_error_unless_forced(place, capsys):

@@ -16,15 +16,7 @@ import pytest
 from pa10d.store import RunStore
 from pa10d.store.folders import NEW, locked
 
-STUCK = """
-import multiprocessing, sys, time
-import pa10d.cli.process as process
-
-def main():
-    child = multiprocessing.get_context("fork").Process(target=time.sleep, args=(60,))
-    child.start()
-    print(child.pid, flush=True)
-    while True:  # as deep in a library, where nobody notices
+DEAF = """    while True:  # as deep in a library, where nobody notices
         try:
             time.sleep(60)
         except KeyboardInterrupt:
@@ -33,6 +25,18 @@ def main():
 process.main = main
 process.run()
 """
+STUCK = (
+    """
+import multiprocessing, sys, time
+import pa10d.cli.process as process
+
+def main():
+    child = multiprocessing.get_context("fork").Process(target=time.sleep, args=(60,))
+    child.start()
+    print(child.pid, flush=True)
+"""
+    + DEAF
+)
 GATHERED = """
 import pa10d.cli.process as process
 
@@ -106,22 +110,17 @@ def main():
 process._watch, process.main = late, main
 process.run()
 """
-UNREAD = """
+UNREAD = (
+    """
 import time
 import pa10d.cli.process as process
 
 def main():
     process.current.patient = True
     print(flush=True)
-    while True:
-        try:
-            time.sleep(60)
-        except KeyboardInterrupt:
-            pass
-
-process.main = main
-process.run()
 """
+    + DEAF
+)
 UNREAD_AT_LAST = """
 import time
 import pa10d.cli as cli

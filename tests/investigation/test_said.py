@@ -47,6 +47,7 @@ def test_an_error_that_falls_has_the_unit_of_its_joint():
 def test_an_error_of_a_torque_that_is_known_nowhere_is_no_fall():
     """A real arm's headline was of a joint whose current was never seen."""
     assert "joint 1 falls" not in fall_words(replace(JUDGED, hidden=[1]))
+    assert fall_words(replace(JUDGED, hidden=[1, 2])).startswith("No joint's torque is known on")
 
 
 def test_what_a_joint_keeps_on_fresh_motion_is_said_with_its_place():

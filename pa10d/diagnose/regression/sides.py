@@ -115,8 +115,8 @@ def _idle(side: Sequence[RunEquation], what: str) -> dict[int, str]:
         "such runs, or a model that was identified in a wider band"
     )
     hidden = (
-        f"has a torque that is known nowhere in the data {what}: it stays at one value, or at a "
-        "limit, while the joint moves; record it finer, in a wider range and with power"
+        f"has a torque that is known nowhere in the data {what}: its channel mostly shows one "
+        "value or a limit; record it finer, in a wider range and with power"
     )
     unknown = np.all([run.hidden for run in side], axis=0)
     whole, inner = (_reach(side, only_inside) > NEVER_MOVES for only_inside in (False, True))

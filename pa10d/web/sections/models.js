@@ -206,6 +206,7 @@ function fell({ steps, noise_floor: floor, units, hidden }) {
   if (steps.length < 2) return "This is the first version: diagnose it to learn what is missing.";
   const first = steps[0].rms, last = steps.at(-1).rms;
   const asked = [...first.keys()].filter((k) => !hidden.includes(k + 1));
+  if (!asked.length) return "No joint's torque is known in these runs: their errors say nothing. Judge by others.";
   const j = asked.reduce((best, k) => (first[k] / last[k] > first[best] / last[best] ? k : best));
   if (first[j] <= last[j]) return "No joint's error fell: go back to the parent.";
   const noise = floor[j] === null ? "" : `; the noise is ${number(floor[j])} ${units[j]}`;
