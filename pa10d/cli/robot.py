@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 AT_REST = ("holding", "inactive", "fault", "offline")
 WAITED = 10.0  # s until an arm that was told to stop must have come to rest
 BY_SIGNAL = (
-    "the daemon does not answer: control was told by a signal and brings the arm to rest; look at "
+    "the daemon did not stop it: control was told by a signal and brings the arm to rest; look at "
     "the arm"
 )
 GOES_ON = (

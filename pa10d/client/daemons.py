@@ -51,7 +51,7 @@ def running_daemon(data: str | os.PathLike[str] | None = None) -> Client | None:
 
 def stop_robot(data: str | os.PathLike[str] | None, wait: float) -> JsonObject | None:
     """Stop the arm of the daemon on this data: what that says once the arm rests, or after
-    ``wait`` s. None where it does not answer: then its control process was told by a signal.
+    ``wait`` s. None where it does not, or refuses: then its control process was told by a signal.
     UserError where there is neither."""
     from pa10d.daemon.presence import present
     from pa10d.daemon.second_stop import stop_by_signal

@@ -344,7 +344,7 @@ class RobotTold(Document):
 
 
 class RobotStopped(Document):
-    """Of ``robot stop`` where the daemon did not answer, and control was told by a signal."""
+    """Of ``robot stop`` where the daemon did not do it, and control was told by a signal."""
 
     state: None
 
