@@ -77,7 +77,7 @@ class Simulator:
             self.refusal = str(error)
             return
         if is_simulated(self._profile):
-            log.info("a virtual arm is on '%s' already", self._profile.can.channel)
+            log.info("the virtual arm that is on '%s' already is used", self._profile.can.channel)
             return
         try:
             self.process, writing = await _begun()

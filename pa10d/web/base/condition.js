@@ -46,7 +46,7 @@ function judged() {
              next: { go: "robot", text: `A fault has stopped the arm: ${closed(inShort(cause))} ${way}`, label: mayCommand(client) ? "Reset" : "Look" } };
   }
   if (robot.offline_passes) {
-    const text = `The arm is not there yet: ${robot.offline_reason ?? "it is being connected"}. That takes some seconds.`;
+    const text = `The arm is not there yet: ${robot.offline_reason ?? "it is being connected"}. That takes some seconds, after an installation or an update a minute or two.`;
     return { ...found, meaning: text, next: { text } };
   }
   if (robot.state === "offline") {
