@@ -148,7 +148,9 @@ def test_processes_that_cannot_be_started_are_refused_in_words(no_processes):
 
 
 def test_a_virtual_arm_that_cannot_be_started_is_why_there_is_none(no_processes):
-    arm = Simulator(load_profile("pa10-sim"))
+    profile = load_profile("pa10-sim")
+    own = profile.can.model_copy(update={"channel": f"void-{os.getpid()}"})
+    arm = Simulator(profile.model_copy(update={"can": own}))  # no other daemon's is there
     asyncio.run(arm.start())
     assert "Too many open files" in arm.refusal
 
