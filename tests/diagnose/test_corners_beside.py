@@ -49,6 +49,17 @@ def test_it_is_less_sure_where_the_corner_is(monkeypatch):
     assert sure == pytest.approx(fixed, rel=1e-3)
 
 
+@pytest.mark.parametrize("corner", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_a_corner_that_moves_nothing_makes_nothing_surer(corner, monkeypatch):
+    """What is known of it outweighs what the data show of it by as much as one likes. Where that
+    was lost in rounding, a Stribeck velocity had a twentieth of its error: 0.060 ± 0.0025 rad/s
+    for 0.084 in slow noise, where 0.05 was right."""
+    least = told(found(corner))
+    monkeypatch.setattr(errors, "corners_beside", lambda *_: {})
+    fixed = told(found(corner))
+    assert min(least[name] / fixed[name] for name in LAW) > 0.999
+
+
 def test_the_corner_keeps_the_error_that_identification_gave_it():
     state = found(np.inf)
     assert list(errors.stated(state, [len(state.terms) - 1]).shape_errors) == [len(state.terms) - 1]

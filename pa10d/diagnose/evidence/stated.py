@@ -55,7 +55,11 @@ def stated(state: SearchState, fresh: Collection[int]) -> Stated:
     for i, of_term in slopes.items():
         for j, own in of_term.items():
             weighted[j][:, places[i]] = own / fit.sigma[j]
-    power = np.sum([np.sum(w**2, axis=0) for w in weighted.values()], axis=0)
+    precision = np.zeros(total)  # of what is known besides these data
+    precision[unknown:] = 1.0
+    for i, error in corners.items():  # as identification knows them, which saw reversals, too
+        precision[places[i]] = 1.0 / error**2
+    power = precision + np.sum([np.sum(w**2, axis=0) for w in weighted.values()], axis=0)
     size = np.sqrt(np.where(power > 0.0, power, 1.0))  # a shape may move nothing
     seen = np.sum([fit.basis[j].T @ (w / size) for j, w in weighted.items()], axis=0)
     for j, w in weighted.items():
@@ -68,19 +72,14 @@ def stated(state: SearchState, fresh: Collection[int]) -> Stated:
         gram = gram + prior[width:, width:]
     else:
         prior = np.zeros_like(prior)
-    doubtful = np.arange(unknown, total)
-    gram[doubtful, doubtful] += 1.0 / size[unknown:] ** 2
-    prior[width + doubtful, width + doubtful] += 1.0 / size[unknown:] ** 2
-    for i, error in corners.items():  # as identification knows them, which saw reversals, too
-        at = np.arange(places[i].start, places[i].stop)
-        gram[at, at] += 1.0 / (error * size[at]) ** 2
-        prior[width + at, width + at] += 1.0 / (error * size[at]) ** 2
+    gram += np.diag(precision / size**2)
+    prior[width:, width:] += np.diag(precision / size**2)
     inverse = np.linalg.pinv(gram, rcond=1e-12, hermitian=True)
     turn = np.block(
         [[fit.to_beta, -fit.to_beta @ seen @ inverse], [np.zeros((total, width)), inverse]]
     )
     whole = covariance_under(state, columns, turn, turn @ prior @ turn.T)
-    for index in width + doubtful:  # what it seems to be, of which the estimates know nothing
+    for index in range(width + unknown, width + total):  # what it seems to be, unknown to the rest
         moved = turn[:, index] * sum(c[:, index] @ fit.residual[j] for j, c in columns.items())
         whole += np.outer(moved, moved)
     count = len(fit.to_beta)
