@@ -29,13 +29,12 @@ from pa10d.common.terminal import hang_up_ends
 from pa10d.common.unhurried_log import log_unhurried
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.night import Secret
-from pa10d.daemon.presence import Presence, announced, present
+from pa10d.daemon.presence import LOCK, Presence, announced, present
 from pa10d.daemon.processes.runtime import own, runtime_folder
 from pa10d.daemon.processes.simulator import refuse_no_arm, wants_simulator
 from pa10d.dynamics import Robot
 from pa10d.profile import Profile
 
-LOCK = ".daemon.lock"
 PATIENCE = 20.0  # s for which an older daemon's control process may still bring its arm to rest
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 RECEIVED = 1 << 15  # bytes taken from one client in one go, before others are heard

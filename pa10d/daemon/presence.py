@@ -8,14 +8,20 @@ import logging
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field, TypeAdapter
 
 from pa10d.common.disk import disk_words, writing
 from pa10d.common.errors import UserError
-from pa10d.common.jsonable import JsonObject
+from pa10d.common.locked_file import lock_at_once
 from pa10d.store.entries import read_entry
 
 FILE, LARGEST = "daemon.json", 1 << 16  # bytes
+LOCK = ".daemon.lock"  # held by whoever serves these data, and by its control process
+ADDRESS = r"^http://(\[[0-9A-Fa-f:.%]+\]|[0-9A-Za-z._-]+)(:[0-9]{1,5})?$"
 
 log = logging.getLogger("pa10d")
 
@@ -24,10 +30,10 @@ log = logging.getLogger("pa10d")
 class Presence:
     """Where the daemon answers; the token reaches everything and is for this user alone."""
 
-    url: str
-    pid: int
+    url: Annotated[str, Field(pattern=ADDRESS)]
+    pid: Annotated[int, Field(gt=0, strict=True)]
     profile: str
-    token: str | None = None
+    token: Annotated[str, Field(pattern=r"^[!-~]([ -~]*[!-~])?$")] | None = None
 
 
 @contextlib.contextmanager
@@ -73,11 +79,24 @@ def _write(path: Path, text: bytes, how: int) -> None:
 
 
 def present(data: Path) -> Presence | None:
-    """The daemon on this data, if its process is alive."""
+    """The daemon on this data. One that was killed leaves its file behind, in which its process may
+    be any other by now, and its port that of another arm's daemon; the lock goes with it."""
     try:
-        document: JsonObject = json.loads(read_entry(data / FILE, LARGEST))
-        presence = Presence(**document)
+        presence = _typed().validate_json(read_entry(data / FILE, LARGEST))
         os.kill(presence.pid, 0)
-    except (UserError, OSError, ValueError, TypeError, OverflowError, RecursionError):
+        return presence if _is_held(data / LOCK) else None
+    except (UserError, OSError, ValueError, OverflowError):
         return None
-    return presence
+
+
+def _is_held(lock: Path) -> bool:
+    descriptor = os.open(lock, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    try:
+        return not lock_at_once(descriptor, shared=True)
+    finally:
+        os.close(descriptor)
+
+
+@cache
+def _typed() -> TypeAdapter[Presence]:
+    return TypeAdapter(Presence)

@@ -4,6 +4,7 @@ and removes, writes and shows nothing outside of it."""
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import os
 import tempfile
@@ -16,13 +17,15 @@ import pytest
 
 from pa10d.api import uploads
 from pa10d.api.app import create_app
+from pa10d.api.server import _sole_daemon
 from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.events import Events
 from pa10d.daemon.jobs.jobs import Jobs
 from pa10d.daemon.night import FILE as HIDDEN
 from pa10d.daemon.night import drawn_before
-from pa10d.daemon.presence import FILE, Presence, announced, present
+from pa10d.daemon.presence import FILE, LOCK, Presence, announced, present
+from pa10d.daemon.processes.runtime import own
 from pa10d.daemon.robot import fault_files
 from pa10d.daemon.robot.stood import StoodAt
 from pa10d.investigation.doubts import write_doubts
@@ -111,18 +114,43 @@ def test_a_report_that_is_a_link_is_not_shown(data, elsewhere, tmp_path):
 
 def test_the_token_is_not_written_through_a_link(data, elsewhere):
     (data / f".{FILE}.{os.getpid()}").symlink_to(elsewhere / "a.yaml")
-    with announced(data, Presence("http://localhost", os.getpid(), "p", "secret")):
+    here = Presence("http://localhost", os.getpid(), "p", "secret")
+    with own(data / LOCK, 0.0, "taken"), announced(data, here):
         assert present(data).token == "secret"
     assert _untouched(elsewhere)
 
 
-@pytest.mark.parametrize(
-    "text", [DEEP, '{"url": "u", "profile": "p", "pid": 1e400}', "\xff", '{"pid": 3}',
-             '{"url": "u", "profile": "p", "pid": 1000000000000000000000}']
+def test_a_daemon_that_was_killed_is_not_found_in_whoever_has_its_number(data):
+    """Its process may be any other by now, and its port the daemon of another arm."""
+    left = {"url": "http://127.0.0.1:8010", "pid": os.getpid(), "profile": "p"}
+    (data / FILE).write_text(json.dumps(left))
+    assert present(data) is None, "nobody has ever served these data"
+    with own(data / LOCK, 0.0, "taken"):
+        assert present(data).pid == os.getpid()
+    assert present(data) is None
+    with contextlib.closing(_sole_daemon(data)):  # it starts, and does not wait for ever
+        pass
+    with own(data / LOCK, 0.0, "taken"), pytest.raises(UserError, match="runs here already"):
+        _sole_daemon(data)
+
+
+HERE = {"url": "http://127.0.0.1:8010", "pid": os.getpid(), "profile": "p"}
+NOBODY = (
+    DEEP, '{"url": "http://localhost", "profile": "p", "pid": 1e400}', "\xff", '{"pid": 3}',
+    '{"url": "http://localhost", "profile": "p", "pid": 1000000000000000000000}',
+    *(json.dumps(HERE | wrong) for wrong in (
+        {"url": 5}, {"url": "http://[::1"}, {"url": "file:///etc/passwd"}, {"url": "http://\x1b[2J"},
+        {"pid": -1}, {"pid": 0}, {"pid": True}, {"profile": 5}, {"token": 7},
+        {"token": "a\r\nX: y"},
+    )),
 )  # fmt: skip
+
+
+@pytest.mark.parametrize("text", NOBODY)
 def test_a_daemon_that_nobody_can_find(data, text):
     (data / FILE).write_text(text, encoding="latin-1")
-    assert present(data) is None
+    with own(data / LOCK, 0.0, "taken"):
+        assert present(data) is None
 
 
 def test_where_the_arm_stood_is_not_written_through_a_link(data, elsewhere):

@@ -31,6 +31,7 @@ from pa10d.daemon.motions.experiment import Experiment
 from pa10d.daemon.night import FILE, Drawn, Night, Secret
 from pa10d.daemon.presence import Presence, announced, present
 from pa10d.daemon.processes import worker
+from pa10d.daemon.processes.runtime import own
 from pa10d.daemon.processes.workers import TaskEnd
 from pa10d.daemon.robot import fault_files
 from pa10d.daemon.robot import robot as robots
@@ -81,9 +82,9 @@ def test_a_daemon_is_found_in_the_place_of_an_earlier_one(tmp_path, monkeypatch)
         write(path, text, how)
 
     monkeypatch.setattr(presence, "_write", no_new_file)
-    with announced(tmp_path, HERE):
+    with own(tmp_path / presence.LOCK, 0.0, "taken"), announced(tmp_path, HERE):
         assert present(tmp_path) == HERE
-    assert not list(tmp_path.iterdir())
+    assert [path.name for path in tmp_path.iterdir()] == [presence.LOCK]
 
 
 def test_a_daemon_serves_also_where_nobody_can_be_told(tmp_path, monkeypatch, caplog):
