@@ -7,6 +7,7 @@ import asyncio
 import contextlib
 import logging
 import os
+import select
 import signal
 import subprocess
 import sys
@@ -247,16 +248,27 @@ def main() -> None:
 
 
 def play(profile: Profile, alive: int, held: Held) -> None:
-    """The virtual arm, until it is told to end or ``alive`` has been closed for a while."""
+    """The virtual arm, until its daemon tells it to end or ``alive`` has been closed for a while.
+    Told by another while its daemon is there, it stays so long: a signal to a whole group, or a
+    service's, is for that one, too, and drives do not go before the arm rests."""
     gone = threading.Event()
+
+    def told(*_: object) -> None:
+        if select.select([alive], [], [], 0)[0]:
+            raise KeyboardInterrupt
+        threading.Thread(target=linger, daemon=True).start()
+
+    def linger() -> None:
+        gone.wait(LINGER)
+        gone.set()
 
     def watch() -> None:
         os.read(alive, 1)
         with contextlib.suppress(OSError):  # it has ended by itself meanwhile
             held.leave()
-        gone.wait(LINGER)
-        gone.set()
+        linger()
 
+    signal.signal(signal.SIGTERM, told)
     threading.Thread(target=watch, daemon=True).start()
     serve_arm(profile, lambda: print(READY, flush=True), gone.is_set)
 

@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import json
 import os
+import signal
 import socket
 import sys
 from collections.abc import Callable
@@ -22,6 +23,7 @@ from pa10d.daemon.processes.crowded import Crowded
 NICENESS = 10  # of what computes for long
 LARGEST_ANSWER = 8 << 20  # bytes: what is read in one go, while nothing else is done
 WAITING = 32  # tasks that wait for a process
+TOLD_AS_WELL = 1.0  # s: who tells all our processes to end tells the daemon, which ends the task
 FRESH_AFTER = 100  # tasks after which a process gives its memory back by ending
 
 Progress = Callable[[float, str], None]
@@ -193,6 +195,8 @@ class Worker:
         except ValueError as error:
             raise TaskFailed(f"the answer is longer than {LARGEST_ANSWER} bytes") from error
         code = await self.process.wait()
+        if code == -signal.SIGTERM:
+            await asyncio.sleep(TOLD_AS_WELL)
         how = f"by signal {-code}" if code < 0 else f"with status {code}"
         raise (Ended if begun else NeverBegun)(f"the worker process was ended {how}")
 
