@@ -18,7 +18,8 @@ SAME_PLACE = 1e-6  # m, rad and parts of unit vectors: of the same joint in two 
 BESIDE = 0.1  # of the torque limit, that a model may lie beside the torque that holds the arm …
 DRY = 0.25  # … and at most this much more where dry friction of its own can hold the arm as well
 CREEP = 0.05  # of the speed limit: dry friction is there, most of the viscous one is not
-DRIVES = 0.01  # of the torque limit, by which friction may push: what noise makes of none
+DRIVES = 0.01  # of the torque limit, by which friction, or inertia at the acceleration limit, may
+# push: what noise makes of none
 LOOKED_AT = 500  # poses of a motion: its torque is smooth, and the arm waits meanwhile
 
 
@@ -58,6 +59,22 @@ def wrong_with_torque(controller: HasModel, q: Array, held: Array, limits: ArmLi
         return (
             f"joint {j + 1}: the model wants {said[j]:.3g} N·m to hold the arm where it is, "
             f"{held[j]:.3g} N·m do hold it; allowed are {allowed[j]:.3g} N·m beside that"
+        )
+    return _driven_by_inertia(controller, q, said, limits)
+
+
+def _driven_by_inertia(
+    controller: HasModel, q: Array, said: Array, limits: ArmLimits
+) -> str | None:
+    """Each joint by itself, at its acceleration limit: what is less than nothing would be sent
+    against the motion that it is for. said: N·m (n,) at rest."""
+    n = len(q)
+    still, each = np.zeros((n, n)), np.diag(limits.acceleration)
+    asked = np.diag(controller.model_torque(np.tile(q, (n, 1)), still, each)) - said
+    for j in np.flatnonzero(~(asked >= -DRIVES * limits.torque)):
+        return (
+            f"joint {j + 1}: the model's inertia drives: it wants {asked[j]:.3g} N·m to accelerate "
+            f"by {limits.acceleration[j]:.3g} rad/s², expected some that resists"
         )
     return None
 

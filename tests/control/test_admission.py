@@ -95,6 +95,16 @@ WRONG = {
         ),
         r"joint 3: the model's friction drives: it is -39 N·m against a motion at 2 rad/s",
     ),
+    "rotors that drive": (
+        lambda r: model_of(
+            r, parts=(LiveEffect("rotor_inertia", EVERY, np.full((7, 1), -20.0), {}),)
+        ),
+        r"joint 1: the model's inertia drives: it wants -\S+ N·m to accelerate by 3 rad/s², expect",
+    ),
+    "bodies that drive": (
+        lambda r: model_of(r, rigid=r.parameters * np.repeat([1.0, -10.0], [4, 6])),
+        "the model's inertia drives",
+    ),
     "another arm": (
         lambda r: model_of(r, kinematics=moved(kinematics_of(r))),
         "of another arm: its joint 4",
