@@ -32,6 +32,7 @@ FRICTION_LEVEL = 1e-3  # of a whole diagnosis, that friction held out is other t
 HUBER = 1.345  # standard deviations at which its weights begin to fall: 95 % efficient
 BIWEIGHT = 4.685  # standard deviations beyond which Tukey's are zero: 95 % efficient
 SIZED_LEVEL = 0.05  # of coefficients that may as well be zero by their own errors
+CHOSEN = 1e-9  # of its range: how well an exponent is known that is taken as it was found
 AT_RANDOM = 0.05  # p from which on an error is said not to come again
 TIMING_SIGNIFICANT = 3.0  # standard errors of a common timing offset
 HARM_SIGNIFICANT = 3.0  # standard errors by which a joint's error must have risen

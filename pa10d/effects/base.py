@@ -88,9 +88,19 @@ class ShapeParameter:
             return False
         if self.scale == "log":  # nothing at one of its ends, no end at the other
             return SURELY * error <= abs(value)
-        return bool(
-            error <= (abs(value) if self.lower >= 0.0 else 0.25 * (self.upper - self.lower))
-        )
+        within = 0.25 * (self.upper - self.lower)
+        return bool(error <= (min(abs(value), within) if self.lower >= 0.0 else within))
+
+    @property
+    def spread(self) -> float:
+        """The standard deviation of what it may be, where nothing else is known: a law's exponent
+        lies within its bounds, whatever the data say of it."""
+        return (self.upper - self.lower) / np.sqrt(12.0) if self.scale == "linear" else np.inf
+
+    @property
+    def of_law(self) -> bool:
+        """Does it tell one of the field's laws from another, rather than size or place?"""
+        return self.usual is not None
 
     @property
     def reach(self) -> tuple[float, float]:

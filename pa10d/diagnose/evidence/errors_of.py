@@ -10,6 +10,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import CHOSEN
 from pa10d.diagnose.evidence.held_out import ModelUncertainty
 from pa10d.diagnose.evidence.reversals import moved_by_reversals
 from pa10d.diagnose.regression.least_squares import LeastSquares
@@ -188,21 +189,20 @@ def term_covariance(
     columns = with_slopes(state.train, term) if free else dict(state.blocks[index][0])
     k = len(term.coefficients)
     left: PerJoint = {}
-    seen = sum(rest.basis[j].T @ (c / rest.sigma[j]) for j, c in columns.items())
+    of_rest = sum(rest.basis[j].T @ (c / rest.sigma[j]) for j, c in columns.items())
     for j in range(state.train.n):
         own = columns.get(j)
-        absorbed = rest.basis[j] @ seen
+        absorbed = rest.basis[j] @ of_rest
         left[j] = -absorbed if own is None else own / rest.sigma[j] - absorbed
-    gram = sum(c.T @ c for c in left.values())
+    seen = np.sum([c.T @ c for c in left.values()], axis=0)
+    gram = seen + np.diag(np.r_[np.zeros(k), certain_before(term)])
     if state.problem.known is not None:
-        gram, _ = normal_equations(rest, columns)
+        gram = gram - seen + normal_equations(rest, columns)[0]
         penalty = term.effect.penalty(term.shape)
         if penalty is not None:
             gram = gram + penalty.T @ penalty
     inverse = np.asarray(np.linalg.pinv(gram, rcond=1e-12, hermitian=True), dtype=float)
-    known = None
-    if state.problem.known is not None:
-        known = inverse @ (gram - sum(c.T @ c for c in left.values())) @ inverse
+    known = inverse @ (gram - seen) @ inverse
     covariance = covariance_under(state, left, inverse, known)
     if not of_noise:
         slopes = {j: c[:, k:] for j, c in columns.items()}
@@ -210,6 +210,15 @@ def term_covariance(
         covariance = covariance + np.diag(systematic)
     errors = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     return covariance[:k, :k], shape_errors_of(state, term, errors[k:])
+
+
+def certain_before(term: Term, of_law: bool = True) -> Array:
+    """(s,) one over the variance of each free shape that is known without any data: of the range
+    of its law, what a law's exponent is. of_law: whether one law may as well be another; if not,
+    what tells them apart is as it was found."""
+    shapes = free_shapes(term.effect, term.shape)
+    sure = [CHOSEN if s.of_law and not of_law else 1.0 for s in shapes]
+    return 1.0 / np.square(np.array([s.spread for s in shapes]) * sure)
 
 
 def shape_errors_of(state: SearchState, term: Term, errors: Array) -> dict[str, float]:

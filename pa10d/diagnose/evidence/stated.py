@@ -15,7 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.diagnose.evidence.curves import open_to_curves
-from pa10d.diagnose.evidence.errors_of import covariance_under, shape_errors_of
+from pa10d.diagnose.evidence.errors_of import (
+    certain_before,
+    covariance_under,
+    shape_errors_of,
+)
 from pa10d.diagnose.evidence.reversals import moved_by_reversals
 from pa10d.diagnose.regression.behind import channel_slopes, perhaps_smoothed
 from pa10d.diagnose.regression.shapes import free_shapes
@@ -35,8 +39,9 @@ class Stated:
     shape_errors: dict[int, dict[str, float]]
 
 
-def stated(state: SearchState, fresh: Collection[int]) -> Stated:
-    """fresh: indices of the terms whose shapes these data have settled."""
+def stated(state: SearchState, fresh: Collection[int], of_law: bool = True) -> Stated:
+    """fresh: indices of the terms whose shapes these data have settled; of_law: whether one law of
+    such an effect may as well be another (``certain_before``)."""
     state = state.as_free()
     fit, width = state.fit, state.fit.to_beta.shape[1]
     corners = corners_beside(state, fresh)
@@ -57,6 +62,8 @@ def stated(state: SearchState, fresh: Collection[int]) -> Stated:
             weighted[j][:, places[i]] = own / fit.sigma[j]
     precision = np.zeros(total)  # of what is known besides these data
     precision[unknown:] = 1.0
+    for i in sorted(fresh):
+        precision[places[i]] = certain_before(state.terms[i], of_law)
     for i, error in corners.items():  # as identification knows them, which saw reversals, too
         precision[places[i]] = 1.0 / error**2
     power = precision + np.sum([np.sum(w**2, axis=0) for w in weighted.values()], axis=0)

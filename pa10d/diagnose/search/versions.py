@@ -39,15 +39,20 @@ def held_out(model: TorqueModel, state: SearchState) -> list[RunResidual]:
 
 
 def snapshot(
-    given: TorqueModel, state: SearchState, size: int, as_given: Sequence[RunResidual]
+    given: TorqueModel,
+    state: SearchState,
+    size: int,
+    as_given: Sequence[RunResidual],
+    of_law: bool = True,
 ) -> TorqueModel:
     """The model with the first ``size`` terms, as the search fitted and judged it. Its note
-    ``delivery`` has what the search promised and what the model as it is stored achieves."""
+    ``delivery`` has what the search promised and what the model as it is stored achieves. of_law:
+    whether its errors know that one law of an effect may as well be another."""
     part = state if size == len(state.terms) else with_first(state, size, given.terms)
     part = part.where_shared_slips()
     refitted = size == len(given.terms)
     frozen = state.frozen
-    known = stated(part, found_here(part, len(given.terms)))
+    known = stated(part, found_here(part, len(given.terms)), of_law)
     terms = [
         replace(term, shape_errors=known.shape_errors.get(index, _errors_before(part, term)))
         for index, term in enumerate(part.terms)

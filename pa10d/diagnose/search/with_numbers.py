@@ -28,7 +28,7 @@ def only_with_numbers(search: Search, given: TorqueModel, as_given: Sequence[Run
     as_given: the held-out side as the given model saw it
     """
     while len((state := search.state).terms) > search.fixed:
-        version = snapshot(given, state, len(state.terms), as_given)
+        version = _by_its_law(search, given, as_given)
         none = [
             index
             for index in range(search.fixed, len(state.terms))
@@ -59,6 +59,12 @@ def needed_without_numbers(
     return before - _found(search)
 
 
+def _by_its_law(search: Search, given: TorqueModel, as_given: Sequence[RunResidual]) -> TorqueModel:
+    """The model with all that was found, each effect's errors by the law that was found for it: the
+    data tell a number also where a law with another exponent would have another one."""
+    return snapshot(given, search.state, len(search.state.terms), as_given, of_law=False)
+
+
 def _found(search: Search) -> set[Place]:
     return {(t.effect_id, t.joints) for t in search.state.terms[search.fixed :]}
 
@@ -69,7 +75,7 @@ def _without_needless(search: Search, given: TorqueModel, as_given: Sequence[Run
     asked = [t for t in found if not t.effect.series_spring or len(springs) > 1]
     if not asked:
         return
-    version = snapshot(given, search.state, len(search.state.terms), as_given)
+    version = _by_its_law(search, given, as_given)
     for index in reversed(range(search.fixed, len(search.state.terms))):
         term = search.state.terms[index]
         single = term.effect.series_spring and len(springs) < 2
@@ -104,7 +110,7 @@ def _without_shares(search: Search, given: TorqueModel, as_given: Sequence[RunRe
     ]
     if not asked:
         return
-    version = snapshot(given, state, len(state.terms), as_given)
+    version = _by_its_law(search, given, as_given)
     values = {index: version.term_values(index) for index in asked}
     none = [
         index
