@@ -48,7 +48,7 @@ class State:
 def test_what_has_no_number_has_to_be_missed(monkeypatch, second, alone, told, kept):
     """Position-dependent friction of 0.0137 ± 0.0147 was told beside a right line, too."""
     monkeypatch.setattr(
-        with_numbers, "snapshot", lambda *_: SimpleNamespace(term_values=lambda index: {})
+        with_numbers, "snapshot", lambda *_, **__: SimpleNamespace(term_values=lambda index: {})
     )
     monkeypatch.setattr(
         with_numbers, "not_one", lambda term, found: term.joints == (1,) and not told
@@ -68,7 +68,7 @@ def test_what_has_no_number_and_takes_less_than_is_left_is_not_told(
     """Friction that grows at rest was "Stribeck friction" for a fifth of its error, no number of
     it determined, with nine times the noise left."""
     monkeypatch.setattr(
-        with_numbers, "snapshot", lambda *_: SimpleNamespace(term_values=lambda index: {})
+        with_numbers, "snapshot", lambda *_, **__: SimpleNamespace(term_values=lambda index: {})
     )
     monkeypatch.setattr(with_numbers, "not_one", lambda term, found: term.joints == (1,))
     state = State(alone, [spring(0), other(1)])
@@ -92,7 +92,7 @@ def test_a_gap_that_passes_less_than_half_of_the_torque_is_none(monkeypatch):
         monkeypatch.setattr(
             with_numbers,
             "snapshot",
-            lambda *_, told=told: SimpleNamespace(term_values=lambda _: told),
+            lambda *_, told=told, **__: SimpleNamespace(term_values=lambda _: told),
         )
         state = State(1.5, [gap])
         search = SimpleNamespace(state=state, fixed=0, settle=lambda: None, floor=None)
@@ -106,7 +106,7 @@ def test_a_spring_that_may_as_well_be_nothing_is_no_finding(monkeypatch, doubt, 
     unknown = Value(80.0, 900.0, "N·m/rad", determined=False)
     values = {"share": Value(1.44, doubt, ""), "K": unknown}
     monkeypatch.setattr(
-        with_numbers, "snapshot", lambda *_: SimpleNamespace(term_values=lambda index: values)
+        with_numbers, "snapshot", lambda *_, **__: SimpleNamespace(term_values=lambda index: values)
     )
     state = State(1.5, [spring(0)])
     search = SimpleNamespace(state=state, fixed=0, settle=lambda: None, floor=None)
