@@ -26,7 +26,10 @@ LOOKS = 12.0  # independent values of what a model lacks, per joint: a smooth fu
 BLOCK = 4.0  # s: stretches that take turns as the two halves of the data
 FEWEST_BLOCKS = 6
 FEWEST_STATES = 6  # that both halves visit, to compare them at all
-ALIKE = 0.7  # correlation of the halves' means: as much that comes again as does not
+ALIKE = (
+    0.7  # correlation of the halves' means: as much that comes again as does not; estimated from
+)
+# m states, its standard error there is (1 - ALIKE²)/√m
 SURE = 2.0  # standard errors
 UPPER = (0.5, 0.85)  # of the cut-off: where the residual's spectrum is taken as the noise's
 
@@ -84,7 +87,9 @@ def weight_of(lack: Array, samples: Array) -> Array:
 def _never_comes_again(
     stretches: Sequence[Stretch], quarters: Sequence[Labels], joint: int, rate: float
 ) -> bool:
-    """Are the mean residuals of both halves of the data in the same states far from alike?"""
+    """Are the mean residuals of both halves of the data in the same states far from alike: by two
+    standard errors over all states, by one in each kind of states, of which there is one for every
+    joint, so that chance alone would find one that is?"""
     samples = sum(len(s.keep) for s in stretches)
     block = max(1, min(int(BLOCK * rate), samples // FEWEST_BLOCKS))
     halves = np.concatenate(
@@ -93,6 +98,7 @@ def _never_comes_again(
     keep = np.concatenate([s.keep[:, joint] for s in stretches])
     residual = np.concatenate([s.residual[:, joint] for s in stretches])[keep]
     first = halves[keep] == 0
+    total, cells_seen = 0.0, 0
     for labels in _states(stretches, quarters, joint):
         seen = labels[keep]
         size = int(seen.max(initial=0)) + 1
@@ -107,9 +113,16 @@ def _never_comes_again(
         size_of = np.minimum(*count)[both]
         alike = np.sum(size_of * means[0] * means[1])
         alike /= np.sqrt(np.prod([max(np.sum(size_of * m**2), 1e-300) for m in means]))
-        if alike + SURE / np.sqrt(both.sum()) > ALIKE:
+        cells = int(both.sum())
+        if alike > _far_from_alike(cells, 1.0):
             return False
-    return True
+        total, cells_seen = total + cells * alike, cells_seen + cells
+    return bool(total / cells_seen < _far_from_alike(cells_seen, SURE))
+
+
+def _far_from_alike(cells: int, errors: float) -> float:
+    """The correlation that is so many standard errors below ``ALIKE``."""
+    return ALIKE - errors * (1.0 - ALIKE**2) / float(np.sqrt(cells))
 
 
 def _quarters(q: Array) -> list[Labels]:
