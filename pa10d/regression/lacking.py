@@ -26,10 +26,7 @@ LOOKS = 12.0  # independent values of what a model lacks, per joint: a smooth fu
 BLOCK = 4.0  # s: stretches that take turns as the two halves of the data
 FEWEST_BLOCKS = 6
 FEWEST_STATES = 6  # that both halves visit, to compare them at all
-ALIKE = (
-    0.7  # correlation of the halves' means: as much that comes again as does not; estimated from
-)
-# m states, its standard error there is (1 - ALIKE²)/√m
+ALIKE = 0.7  # correlation of the halves' means: as much that comes again as does not
 SURE = 2.0  # standard errors
 UPPER = (0.5, 0.85)  # of the cut-off: where the residual's spectrum is taken as the noise's
 
@@ -121,7 +118,8 @@ def _never_comes_again(
 
 
 def _far_from_alike(cells: int, errors: float) -> float:
-    """The correlation that is so many standard errors below ``ALIKE``."""
+    """The correlation that is so many standard errors below ``ALIKE``, which estimated from m
+    states has one of (1 - ALIKE²)/√m."""
     return ALIKE - errors * (1.0 - ALIKE**2) / float(np.sqrt(cells))
 
 
