@@ -146,7 +146,7 @@ NOBODY = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("text", NOBODY)
+@pytest.mark.parametrize("text", NOBODY, ids=range(len(NOBODY)))  # all processes' names alike
 def test_a_daemon_that_nobody_can_find(data, text):
     (data / FILE).write_text(text, encoding="latin-1")
     with own(data / LOCK, 0.0, "taken"):
