@@ -13,7 +13,8 @@ import pytest
 
 from pa10d.cli import main
 from pa10d.client import ApiError
-from pa10d.daemon.presence import Presence, announced
+from pa10d.daemon.presence import LOCK, Presence, announced
+from pa10d.daemon.processes.runtime import own
 from pa10d.daemon.second_stop import stop_by_signal
 
 ARM = {
@@ -119,7 +120,10 @@ def control():
 
 
 def test_a_daemon_that_does_not_answer_is_passed_over(tmp_path, control, capsys):
-    with announced(tmp_path, Presence("http://127.0.0.1:9", os.getpid(), "two")):
+    with (
+        own(tmp_path / LOCK, 0.0, "taken"),
+        announced(tmp_path, Presence("http://127.0.0.1:9", os.getpid(), "two")),
+    ):
         begun = time.monotonic()
         assert main(["--data", str(tmp_path), "robot", "stop"]) == 0
         assert time.monotonic() - begun < 5.0
@@ -135,7 +139,10 @@ def test_a_daemon_that_stands_still_is_no_daemon_that_is_not_there(
     monkeypatch.setattr("pa10d.client.daemons.SILENT", 0.2)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         url = f"http://127.0.0.1:{silent.getsockname()[1]}"
-        with announced(tmp_path, Presence(url, os.getpid(), "two")):
+        with (
+            own(tmp_path / LOCK, 0.0, "taken"),
+            announced(tmp_path, Presence(url, os.getpid(), "two")),
+        ):
             assert main(["--data", str(tmp_path), "robot", command]) == 1
     said = capsys.readouterr().err
     assert f"the daemon on this data, process {os.getpid()}, does not answer" in said
@@ -150,7 +157,10 @@ def test_no_other_process_gets_the_signal(tmp_path, control, capsys):
     with subprocess.Popen(words, stdout=subprocess.PIPE) as other:
         other.stdout.readline()
         assert not stop_by_signal(os.getpid())
-        with announced(tmp_path, Presence("http://127.0.0.1:9", os.getpid(), "two")):
+        with (
+            own(tmp_path / LOCK, 0.0, "taken"),
+            announced(tmp_path, Presence("http://127.0.0.1:9", os.getpid(), "two")),
+        ):
             assert main(["--data", str(tmp_path), "robot", "stop"]) == 1
         assert "nor is there a control process" in capsys.readouterr().err
         other.kill()
