@@ -43,7 +43,8 @@ def wrong_with_model(live: LiveModel, robot: Robot, limits: ArmLimits) -> str | 
 
 
 def wrong_with_torque(controller: HasModel, q: Array, held: Array, limits: ArmLimits) -> str | None:
-    """Whether it would hold the arm at q (n,) with about the torque that does now (n,) N·m."""
+    """Whether it would hold the arm at q (n,) with about the torque that does now (n,) N·m, and
+    resists there as each joint begins to move."""
     still, creep = np.zeros((1, len(q))), CREEP * limits.velocity[None]
     said = controller.model_torque(q[None], still, still)[0]
     for j in np.flatnonzero(~(np.abs(said) <= limits.torque)):

@@ -24,7 +24,7 @@ def arm(monkeypatch):
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)  # as a virtual arm begins
     monkeypatch.setattr(simulator, "LINGER", 0.2)
     alive, held_open = os.pipe()
-    waiting = threading.Event()
+    waiting, others = threading.Event(), set(threading.enumerate())
 
     def play(what):
         def serve(_profile, _ready, stopped):
@@ -37,6 +37,8 @@ def arm(monkeypatch):
 
     yield held_open, play
     signal.signal(signal.SIGTERM, before)
+    for thread in set(threading.enumerate()) - others:  # one of them still reads what is closed now
+        thread.join()
     os.close(alive)
 
 
